@@ -1,0 +1,1 @@
+"""Signal analysis of the samples: plain functions over arrays."""

@@ -1,0 +1,1 @@
+"""MCAP logs and message bytes: write, read, recover."""

@@ -1,0 +1,1 @@
+"""The gear pair: parameters, geometry, mesh, equations, integrator."""

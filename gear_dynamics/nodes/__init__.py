@@ -1,0 +1,1 @@
+"""Thin rclpy shells: parameters, topics, timers. The only place that knows rclpy."""

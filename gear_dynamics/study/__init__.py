@@ -1,0 +1,1 @@
+"""Experiments on the model, with their data and figures."""
