@@ -1,0 +1,180 @@
+"""ROS parameters of a node, declared from the parameter lists and checked by them."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, TypeVar
+
+import rclpy.parameter
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    IntegerRange,
+    ParameterDescriptor,
+    SetParametersResult,
+)
+from rcl_interfaces.srv import ListParameters
+from rclpy.node import Node
+
+from gear_dynamics.model.parameter import Parameter, ParameterError, ParameterSet, Value
+
+_Set = TypeVar('_Set', bound=ParameterSet)
+
+ROS_NAMES = ('use_sim_time', 'start_type_description_service')
+"""Parameters that ROS itself gives every node, beside those that begin with qos_overrides."""
+
+
+class NodeParameters:
+    """The parameter lists of one node, as ROS parameters.
+
+    The node must have been made with `automatically_declare_parameters_from_overrides=True`:
+    that is how ROS tells which names the user gave, so that an unknown one can be refused.
+
+    Parameters
+    ----------
+    node : rclpy.node.Node
+    lists : sequence of ParameterSet classes
+        What the node takes.
+
+    Raises
+    ------
+    ParameterError
+        If the user gave an unknown name or a value that is not allowed.
+    """
+
+    def __init__(self, node: Node, lists: Sequence[type[ParameterSet]]) -> None:
+        self._node = node
+        self._lists = tuple(lists)
+        self._about = {about.name: about for each in lists for about in each.parameters()}
+        self._listeners: list[Callable[[frozenset[str]], None]] = []
+        names = node.list_parameters([], ListParameters.Request.DEPTH_RECURSIVE).names
+        given = {name: node.get_parameter(name).value for name in names}
+        refuse_unknown(given, self._about)
+        _check_ros_parameters(given)
+        self._sets = self._make(given)
+        for about in self._about.values():
+            self._declare(about)
+        node.add_pre_set_parameters_callback(self._convert)
+        node.add_on_set_parameters_callback(self._check)
+        node.add_post_set_parameters_callback(self._accept)
+
+    def get(self, which: type[_Set]) -> _Set:
+        """Return the present values of one of the lists."""
+        found = self._sets[which]
+        assert isinstance(found, which)
+        return found
+
+    def on_change(self, listener: Callable[[frozenset[str]], None]) -> None:
+        """Have `listener` called with the names that were set, after every live change."""
+        self._listeners.append(listener)
+
+    def set(self, name: str, value: Value) -> None:
+        """Change a live parameter from within; listeners are told as of any other change.
+
+        Raises
+        ------
+        ParameterError
+            If the value is not allowed.
+        """
+        changed = rclpy.parameter.Parameter(name, value=self._about[name].check(value))
+        result = self._node.set_parameters_atomically([changed])
+        if not result.successful:
+            raise ParameterError(result.reason)
+
+    def _values(self) -> dict[str, Any]:
+        return {name: value for each in self._sets.values() for name, value in _items(each)}
+
+    def _make(self, values: Mapping[str, Any]) -> dict[type[ParameterSet], ParameterSet]:
+        return {each: each.from_mapping(values) for each in self._lists}
+
+    def _declare(self, about: Parameter) -> None:
+        # What the user gave may be an integer or text for a number; the declared one has the type
+        # of the list.
+        if self._node.has_parameter(about.name):
+            self._node.undeclare_parameter(about.name)
+        value = self._values()[about.name]
+        self._node.declare_parameter(about.name, value, descriptor(about), ignore_override=True)
+
+    def _convert(
+        self, parameters: list[rclpy.parameter.Parameter]
+    ) -> list[rclpy.parameter.Parameter]:
+        # Without this, `ros2 param set NODE speed 100` fails, 100 being an integer.
+        return [self._converted(each) for each in parameters]
+
+    def _converted(self, given: rclpy.parameter.Parameter) -> rclpy.parameter.Parameter:
+        about = self._about.get(given.name)
+        if about is None:
+            return given
+        try:
+            return rclpy.parameter.Parameter(given.name, value=about.check(given.value))
+        except ParameterError:
+            return given  # refused with the reason in a moment
+
+    def _check(self, parameters: list[rclpy.parameter.Parameter]) -> SetParametersResult:
+        try:
+            self._make({**self._values(), **{each.name: each.value for each in parameters}})
+        except ParameterError as error:
+            return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
+
+    def _accept(self, parameters: list[rclpy.parameter.Parameter]) -> None:
+        given = {each.name: each.value for each in parameters if each.name in self._about}
+        if not given:
+            return
+        self._sets = self._make({**self._values(), **given})
+        for listener in self._listeners:
+            listener(frozenset(given))
+
+
+def _items(values: ParameterSet) -> Iterable[tuple[str, Value]]:
+    return values.to_mapping().items()
+
+
+def refuse_unknown(given: Iterable[str], known: Iterable[str]) -> None:
+    """Raise a `ParameterError` for a name that neither the lists nor ROS know."""
+    known = [*known, *ROS_NAMES]
+    for name in given:
+        if name not in known and not name.startswith('qos_overrides.'):
+            near = difflib.get_close_matches(name, known, n=1, cutoff=0.0)[0]
+            raise ParameterError(f'{name} is not a parameter; the nearest name is {near}')
+
+
+def _check_ros_parameters(given: Mapping[str, Any]) -> None:
+    # rclpy logs a wrong type of its own parameters and goes on without them.
+    for name in ROS_NAMES:
+        if not isinstance(given.get(name, False), bool):
+            raise ParameterError(f'{name} is {given[name]!r}: it must be true or false')
+
+
+def descriptor(about: Parameter) -> ParameterDescriptor:
+    """Return what ROS tools show of a parameter: description, unit, range, whether it changes."""
+    unit = f' [{about.unit}]' if about.unit else ''
+    result = ParameterDescriptor(
+        name=about.name,
+        description=about.description + unit,
+        additional_constraints=about.allowed(),
+        read_only=not about.live,
+        # A wrong type is refused by the list, which says what is allowed; ROS says less.
+        dynamic_typing=True,
+    )
+    number = isinstance(about.default, int | float) and not isinstance(about.default, bool)
+    if number and about.minimum is not None and about.maximum is not None:
+        if isinstance(about.default, int):
+            low, high = math.ceil(about.minimum), math.floor(about.maximum)
+            result.integer_range = [IntegerRange(from_value=low, to_value=high)]
+        else:
+            low_high = {'from_value': about.minimum, 'to_value': about.maximum}
+            result.floating_point_range = [FloatingPointRange(**low_high)]
+    return result
+
+
+def help_text(lists: Sequence[type[ParameterSet]]) -> str:
+    """Return the parameter lists as text for `--help`."""
+    lines = []
+    for about in (about for each in lists for about in each.parameters()):
+        live = '; changes while running' if about.live else ''
+        default = str(about.default).lower() if isinstance(about.default, bool) else about.default
+        lines.append(f'  {about.name} (default {default})')
+        lines.append(f'      {about.description}: {about.allowed()}{live}')
+    return '\n'.join(lines)

@@ -1,0 +1,180 @@
+"""Start, spin and close a node: the same for every node of the package."""
+
+from __future__ import annotations
+
+import itertools
+import re
+import signal
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, Protocol
+
+import rclpy
+from rclpy.exceptions import ParameterException
+from rclpy.executors import Executor, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import remove_ros_args
+
+from gear_dynamics.model.parameter import ParameterError, ParameterSet
+from gear_dynamics.nodes.middleware import use_profile
+from gear_dynamics.nodes.parameters import NodeParameters, help_text
+
+USAGE_ERROR = 2
+"""Exit code when an argument, a parameter or a file given at the start is wrong."""
+
+
+class NodeError(Exception):
+    """A node cannot go on; the message is the one line that the user sees."""
+
+
+class Part(Protocol):
+    """What runs inside a node: made of the node and its parameters, closed at the end."""
+
+    def close(self) -> None:
+        """Finish within 5 s: publish what is last, close files."""
+
+
+def run_node(
+    name: str,
+    about: str,
+    lists: Sequence[type[ParameterSet]],
+    make: Callable[[Node, NodeParameters], Part],
+    argv: Sequence[str] | None = None,
+) -> int:
+    """Run a node until SIGINT, SIGTERM or `NodeError`.
+
+    Parameters
+    ----------
+    name : str
+        Name of the node.
+    about : str
+        What it does, in one or two lines, for `--help`.
+    lists : sequence of ParameterSet classes
+        Its parameters.
+    make : callable
+        Makes the working part from the node and its parameters; it may raise `NodeError` or
+        `ParameterError`, and so may any callback.
+    argv : sequence of str, optional
+        Arguments after the program's name; those of the process by default.
+
+    Returns
+    -------
+    int
+        Exit code: 0 after a signal, 1 if the node could not go on, 2 for wrong input at start.
+    """
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    if {'-h', '--help'} & set(arguments[: _ros_start(arguments)]):
+        print(f'{about}\n\nParameters (-p NAME:=VALUE after --ros-args):\n{help_text(lists)}')
+        return 0
+    stop = StopFlag()
+    try:
+        _check_parameter_files(arguments)
+        _start_ros(name, arguments)
+    except (ParameterError, OSError) as error:
+        return _fail(name, error, USAGE_ERROR)
+    try:
+        return _run(name, lists, make, stop)
+    finally:
+        rclpy.try_shutdown()
+
+
+class StopFlag:
+    """Set by SIGINT and SIGTERM, so that closing is in our hands.
+
+    With the handlers of rclpy the context would be gone before the last diagnostics are out, and
+    a second Ctrl-C would break the closing of a file.
+    """
+
+    def __init__(self) -> None:
+        self._set = False
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, self._on_signal)
+
+    def __bool__(self) -> bool:
+        return self._set
+
+    def _on_signal(self, number: int, frame: Any) -> None:
+        self._set = True
+
+
+def make_executor() -> Executor:
+    """Return the events executor, which takes half the CPU, or the plain one if it is missing."""
+    try:
+        from rclpy.experimental.events_executor import EventsExecutor
+    except ImportError:
+        return SingleThreadedExecutor()
+    return EventsExecutor()
+
+
+def _ros_start(arguments: Sequence[str]) -> int:
+    return arguments.index('--ros-args') if '--ros-args' in arguments else len(arguments)
+
+
+def _check_parameter_files(arguments: Sequence[str]) -> None:
+    # rclpy ignores unknown keys, and says less about a malformed file.
+    for option, path in itertools.pairwise(arguments):
+        if option == '--params-file':
+            from gear_dynamics.parameter_files import check_parameter_file
+
+            check_parameter_file(Path(path))
+
+
+def _start_ros(name: str, arguments: list[str]) -> None:
+    use_profile()
+    try:
+        rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
+        left = remove_ros_args(arguments)
+    except Exception as error:  # RCLError and its kin are private classes of the extension
+        raise ParameterError(_first_cause(str(error))) from error
+    if left:
+        rclpy.try_shutdown()
+        raise ParameterError(f'{left[0]} is not an argument; see {name} --help')
+
+
+def _first_cause(message: str) -> str:
+    message = re.sub(r', at \S+:\d+', '', message)
+    return ' '.join(message.removeprefix('failed to initialize rcl: ').split())
+
+
+def _run(
+    name: str,
+    lists: Sequence[type[ParameterSet]],
+    make: Callable[[Node, NodeParameters], Part],
+    stop: StopFlag,
+) -> int:
+    try:
+        node = Node(name, automatically_declare_parameters_from_overrides=True)
+    except (ParameterException, ValueError, TypeError) as error:
+        return _fail(name, error, USAGE_ERROR)
+    try:
+        part = make(node, NodeParameters(node, lists))
+    except ParameterError as error:
+        return _fail(name, error, USAGE_ERROR)
+    except NodeError as error:
+        return _fail(name, error, 1)
+    try:
+        _spin(node, stop)
+    except NodeError as error:
+        return _fail(name, error, 1)
+    finally:
+        part.close()
+        node.destroy_node()
+    return 0
+
+
+def _spin(node: Node, stop: StopFlag) -> None:
+    # The events executor runs callbacks only from spin_once with a time-out.
+    executor = make_executor()
+    executor.add_node(node)
+    try:
+        while not stop and rclpy.ok():
+            executor.spin_once(timeout_sec=0.1)
+    finally:
+        executor.shutdown()
+
+
+def _fail(name: str, error: Exception, code: int) -> int:
+    print(f'{name}: {error}', file=sys.stderr)
+    return code
