@@ -1,0 +1,67 @@
+"""The command `gear-dynamics NAME`: runs the executable of that name.
+
+Only the executable asked for is imported, so that help is quick and what needs no ROS runs
+without it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import importlib
+import sys
+
+EXECUTABLES = {
+    'sim': ('gear_dynamics.nodes.sim', 'stream a simulated gear pair in real time (ROS 2)'),
+    'analyzer': ('gear_dynamics.nodes.analyzer', 'analyse the stream and log it to MCAP (ROS 2)'),
+    'replay': ('gear_dynamics.nodes.replay', 'play a log back on its own topics (ROS 2)'),
+    'log': ('gear_dynamics.bag.command', 'tell about, recover, export and plot logs'),
+    'study': ('gear_dynamics.study.command', 'run experiments off line, with data and figures'),
+}
+"""Name of each executable, the module with its `main(argv) -> int`, and what it does."""
+
+MISSING_ROS = (
+    'gear-dynamics {name} needs ROS 2 (rclpy): install it with pip install "gear_dynamics[ros]", '
+    'or source a ROS 2 Jazzy installation'
+)
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run `gear-dynamics` and return its exit code: that of the executable, or 2 if refused."""
+    arguments = sys.argv[1:] if argv is None else argv
+    name = _parser().parse_args(arguments[:1]).name
+    if name not in EXECUTABLES:
+        print(_unknown(name), file=sys.stderr)
+        return 2
+    module = EXECUTABLES[name][0]
+    try:
+        executable = importlib.import_module(module)
+    except ModuleNotFoundError as error:
+        if error.name != 'rclpy':
+            raise
+        print(MISSING_ROS.format(name=name), file=sys.stderr)
+        return 2
+    return executable.main(arguments[1:])
+
+
+def _parser() -> argparse.ArgumentParser:
+    lines = [f'  {name:<10}{about}' for name, (_, about) in EXECUTABLES.items()]
+    parser = argparse.ArgumentParser(
+        prog='gear-dynamics',
+        usage='gear-dynamics NAME [arguments]',
+        description='Real-time vibration of a simulated spur gear pair.',
+        epilog='\n'.join(['names:', *lines, '', 'gear-dynamics NAME --help tells more of each.']),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument('name', metavar='NAME', help='what to run; one of the names below')
+    return parser
+
+
+def _unknown(name: str) -> str:
+    near = difflib.get_close_matches(name, EXECUTABLES, n=1)
+    hint = f'did you mean {near[0]!r}?' if near else f'known are {", ".join(EXECUTABLES)}'
+    return f'gear-dynamics: there is no {name!r}; {hint}'
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,64 @@
+"""Build the package for colcon (ament_python) and for pip alike."""
+
+from pathlib import Path
+from xml.etree import ElementTree
+
+from setuptools import find_packages, setup
+
+NAME = 'gear_dynamics'
+SHARE = f'share/{NAME}'
+MANIFEST = ElementTree.parse('package.xml')
+ROS = ['ros-jazzy-rclpy[fastrtps]', 'ros-jazzy-common-interfaces']
+
+
+def files(pattern: str) -> list[str]:
+    """Return the files that match, in an order that does not depend on the machine."""
+    return sorted(str(path) for path in Path().glob(pattern) if path.is_file())
+
+
+setup(
+    name=NAME,
+    version=MANIFEST.findtext('version'),
+    description=' '.join(MANIFEST.findtext('description').split()),
+    long_description=Path('README.md').read_text(encoding='utf-8'),
+    long_description_content_type='text/markdown',
+    license='Apache-2.0',
+    maintainer=MANIFEST.findtext('maintainer'),
+    maintainer_email=MANIFEST.find('maintainer').get('email'),
+    python_requires='>=3.10',
+    packages=find_packages(include=[NAME, f'{NAME}.*']),
+    data_files=[
+        ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
+        (SHARE, ['package.xml']),
+        (f'{SHARE}/config', files('config/*')),
+        (f'{SHARE}/launch', files('launch/*.py')),
+        (f'lib/{NAME}', files('launchers/*')),
+    ],
+    entry_points={'console_scripts': ['gear-dynamics = gear_dynamics.__main__:main']},
+    install_requires=[
+        'numpy>=1.26',
+        'scipy>=1.11',
+        'numba>=0.58',
+        'mcap',
+        'rosbags',
+        'PyYAML',
+        'matplotlib',
+        'tqdm',
+    ],
+    extras_require={
+        'ros': ROS,
+        'cluster': ['dask[distributed]'],
+        'test': [
+            'colcon-common-extensions',
+            'mcap-ros2-support',
+            'mypy',
+            'pytest',
+            'pytest-cov',
+            'pytest-timeout',
+            'ruff',
+            'types-PyYAML',
+            'types-tqdm',
+        ],
+    },
+    zip_safe=True,
+)
