@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, TypeVar
@@ -18,11 +17,11 @@ from rcl_interfaces.srv import ListParameters
 from rclpy.node import Node
 
 from gear_dynamics.model.parameter import Parameter, ParameterError, ParameterSet, Value
+from gear_dynamics.parameter_files import known_names, refuse_unknown
 
 _Set = TypeVar('_Set', bound=ParameterSet)
 
-ROS_NAMES = ('use_sim_time', 'start_type_description_service')
-"""Parameters that ROS itself gives every node, beside those that begin with qos_overrides."""
+_ROS_SWITCHES = ('use_sim_time', 'start_type_description_service')
 
 
 class NodeParameters:
@@ -50,9 +49,11 @@ class NodeParameters:
         self._listeners: list[Callable[[frozenset[str]], None]] = []
         names = node.list_parameters([], ListParameters.Request.DEPTH_RECURSIVE).names
         given = {name: node.get_parameter(name).value for name in names}
-        refuse_unknown(given, self._about)
+        refuse_unknown([name for name in given if name not in self._about])
         _check_ros_parameters(given)
         self._sets = self._make(given)
+        for name in known_names().intersection(given) - self._about.keys():
+            node.undeclare_parameter(name)  # another node's, out of a file for several
         for about in self._about.values():
             self._declare(about)
         node.add_pre_set_parameters_callback(self._convert)
@@ -131,18 +132,9 @@ def _items(values: ParameterSet) -> Iterable[tuple[str, Value]]:
     return values.to_mapping().items()
 
 
-def refuse_unknown(given: Iterable[str], known: Iterable[str]) -> None:
-    """Raise a `ParameterError` for a name that neither the lists nor ROS know."""
-    known = [*known, *ROS_NAMES]
-    for name in given:
-        if name not in known and not name.startswith('qos_overrides.'):
-            near = difflib.get_close_matches(name, known, n=1, cutoff=0.0)[0]
-            raise ParameterError(f'{name} is not a parameter; the nearest name is {near}')
-
-
 def _check_ros_parameters(given: Mapping[str, Any]) -> None:
-    # rclpy logs a wrong type of its own parameters and goes on without them.
-    for name in ROS_NAMES:
+    # rclpy logs a wrong type of these and goes on without them.
+    for name in _ROS_SWITCHES:
         if not isinstance(given.get(name, False), bool):
             raise ParameterError(f'{name} is {given[name]!r}: it must be true or false')
 

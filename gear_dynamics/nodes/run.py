@@ -20,6 +20,7 @@ from rclpy.utilities import remove_ros_args
 from gear_dynamics.model.parameter import ParameterError, ParameterSet
 from gear_dynamics.nodes.middleware import use_profile
 from gear_dynamics.nodes.parameters import NodeParameters, help_text
+from gear_dynamics.parameter_files import check_parameter_file
 
 USAGE_ERROR = 2
 """Exit code when an argument, a parameter or a file given at the start is wrong."""
@@ -116,8 +117,6 @@ def _check_parameter_files(arguments: Sequence[str]) -> None:
     # rclpy ignores unknown keys, and says less about a malformed file.
     for option, path in itertools.pairwise(arguments):
         if option == '--params-file':
-            from gear_dynamics.parameter_files import check_parameter_file
-
             check_parameter_file(Path(path))
 
 

@@ -72,6 +72,11 @@ def test_descriptors_tell_range_and_whether_a_parameter_changes(make):
     assert (poles.read_only, poles.integer_range[0].to_value) == (True, 12)
 
 
+def test_parameter_of_another_node_is_left_out(make):
+    node, _ = make('load_torque:=3.0')
+    assert not node.has_parameter('load_torque')
+
+
 @pytest.mark.parametrize(
     ('given', 'words'),
     [
@@ -80,7 +85,7 @@ def test_descriptors_tell_range_and_whether_a_parameter_changes(make):
         ('power:=much', ['power', 'much']),
         ('poles:=4.5', ['poles', '4.5', 'integer']),
         ('brake:=1', ['brake', '1', 'true or false']),
-        ('powr:=1.0', ['powr', 'nearest name is power']),
+        ('loadtorque:=1.0', ['loadtorque', 'nearest name is load_torque']),
         ('use_sim_time:=3', ['use_sim_time', '3', 'true or false']),
     ],
 )
