@@ -1,0 +1,138 @@
+"""What a listener must know of the rig: the YAML text of `gear_pair/configuration`."""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib.metadata
+import math
+import platform
+from collections.abc import Mapping
+from typing import Any
+
+import yaml
+
+from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.settings import SimSettings
+
+PACKAGES = ('gear_dynamics', 'numpy', 'scipy', 'numba')
+"""Packages whose versions bear upon the numbers that a run gives."""
+
+
+def configuration_text(pair: GearPair, settings: SimSettings) -> str:
+    """Return every parameter, derived quantity and version as YAML.
+
+    The same run gives the same text on any machine with the same versions.
+
+    Parameters
+    ----------
+    pair : GearPair
+    settings : SimSettings
+        As they are at present.
+
+    Returns
+    -------
+    str
+        A mapping of `parameters`, `derived` (SI; `mesh_frequency` [Hz] at the commanded speed)
+        and `versions`.
+    """
+    derived = dataclasses.asdict(pair.derived)
+    derived['mesh_frequency'] = pair.pinion_teeth * settings.speed / (2 * math.pi)
+    content = {
+        'parameters': {**pair.to_mapping(), **settings.to_mapping()},
+        'derived': derived,
+        'versions': {'python': platform.python_version(), **_versions()},
+    }
+    return yaml.safe_dump(content, sort_keys=False)
+
+
+def _versions() -> dict[str, str]:
+    return {name: _version(name) for name in PACKAGES}
+
+
+def _version(name: str) -> str:
+    try:
+        return importlib.metadata.version(name)
+    except importlib.metadata.PackageNotFoundError:
+        return 'not installed'  # run from the source tree
+
+
+@dataclasses.dataclass(frozen=True)
+class Rig:
+    """What the analysis must know of the rig that it listens to.
+
+    Attributes
+    ----------
+    pinion_teeth, gear_teeth : int
+    wn : float
+        Scale of dimensionless time [rad/s].
+    half_backlash : float
+        Scale of lengths [m].
+    sample_rate : float
+        Samples per second of model time [Hz].
+    block_size : int
+        Samples in one message.
+    section_phase : float
+        Mesh phase at which the exact section states are taken [cycles].
+    """
+
+    pinion_teeth: int
+    gear_teeth: int
+    wn: float
+    half_backlash: float
+    sample_rate: float
+    block_size: int
+    section_phase: float
+
+    @classmethod
+    def from_text(cls, text: str) -> Rig:
+        """Read the rig from the text of `gear_pair/configuration`.
+
+        Raises
+        ------
+        ValueError
+            With one line, if the text is no such configuration.
+        """
+        try:
+            content = yaml.safe_load(text)
+        except yaml.YAMLError as error:
+            reason = ' '.join(str(error).split())
+            raise ValueError(f'the configuration is not YAML: {reason}') from None
+        parameters = _part(content, 'parameters')
+        derived = _part(content, 'derived')
+        return cls(
+            pinion_teeth=_count(parameters, 'pinion_teeth'),
+            gear_teeth=_count(parameters, 'gear_teeth'),
+            wn=_positive(derived, 'wn'),
+            half_backlash=_positive(parameters, 'half_backlash'),
+            sample_rate=_positive(parameters, 'sample_rate'),
+            block_size=_count(parameters, 'block_size'),
+            section_phase=_number(parameters, 'section_phase'),
+        )
+
+
+def _part(content: Any, name: str) -> Mapping[str, Any]:
+    part = content.get(name) if isinstance(content, Mapping) else None
+    if not isinstance(part, Mapping):
+        raise ValueError(f'the configuration has no mapping {name}')
+    return part
+
+
+def _number(values: Mapping[str, Any], name: str) -> float:
+    value = values.get(name)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise ValueError(f'{name} of the configuration is {value!r}: it must be a finite number')
+    return float(value)
+
+
+def _positive(values: Mapping[str, Any], name: str) -> float:
+    number = _number(values, name)
+    if number <= 0:
+        raise ValueError(f'{name} of the configuration is {number:g}: it must be above 0')
+    return number
+
+
+def _count(values: Mapping[str, Any], name: str) -> int:
+    number = _positive(values, name)
+    if not number.is_integer():
+        raise ValueError(f'{name} of the configuration is {number:g}: it must be an integer')
+    return int(number)
