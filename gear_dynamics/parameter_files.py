@@ -151,7 +151,9 @@ def _sections(
 ) -> Iterator[tuple[str, dict[str, Any]]]:
     """Yield the name of each section, with a slash before it, and its flattened parameters."""
     for key, value in content.items():
-        place = f'{above}/{str(key).lstrip("/")}'
+        place = f'{above}/{key}' if above else f'/{str(key).removeprefix("/")}'
+        if not re.fullmatch(r'(/(\w+|\*\*?))+', place):
+            raise ParameterError(f'{path}: {place} is no name of a node')
         if not isinstance(value, Mapping):
             raise ParameterError(
                 f'{path}: {place} is {value!r}: parameters must stand under ros__parameters, '
@@ -190,9 +192,7 @@ def _refuse_unknown(
 
 
 def _applies(section: str, node: str) -> bool:
-    # The very substitution that rclpy makes; what is no name or wildcard matches nothing.
-    if not re.fullmatch(r'[\w/*]+', section):
-        return False
+    # The very substitution that rclpy makes.
     return re.fullmatch(section.replace('/*', r'(/\w+)'), node) is not None
 
 
