@@ -7,20 +7,22 @@ from setuptools import find_packages, setup
 
 NAME = 'gear_dynamics'
 SHARE = f'share/{NAME}'
-MANIFEST = ElementTree.parse('package.xml')
+# colcon build --symlink-install runs a link to this file, in a folder that lacks the rest.
+ROOT = Path(__file__).resolve().parent
+MANIFEST = ElementTree.parse(ROOT / 'package.xml')
 ROS = ['ros-jazzy-rclpy[fastrtps]', 'ros-jazzy-common-interfaces']
 
 
 def files(pattern: str) -> list[str]:
-    """Return the files that match, in an order that does not depend on the machine."""
-    return sorted(str(path) for path in Path().glob(pattern) if path.is_file())
+    """Return the files that match, relative to the root, sorted."""
+    return sorted(str(path.relative_to(ROOT)) for path in ROOT.glob(pattern) if path.is_file())
 
 
 setup(
     name=NAME,
     version=MANIFEST.findtext('version'),
     description=' '.join(MANIFEST.findtext('description').split()),
-    long_description=Path('README.md').read_text(encoding='utf-8'),
+    long_description=(ROOT / 'README.md').read_text(encoding='utf-8'),
     long_description_content_type='text/markdown',
     license='Apache-2.0',
     maintainer=MANIFEST.findtext('maintainer'),

@@ -1,6 +1,28 @@
 """Real-time vibration of a simulated spur gear pair; no ROS is needed for this API."""
 
-from gear_dynamics.model.parameter import ParameterError
-from gear_dynamics.parameter_files import GearPair
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from gear_dynamics.model.parameter import ParameterError
+    from gear_dynamics.parameter_files import GearPair
+
+_HOMES = {
+    'GearPair': 'gear_dynamics.parameter_files',
+    'ParameterError': 'gear_dynamics.model.parameter',
+}
 
 __all__ = ['GearPair', 'ParameterError']
+
+
+def __getattr__(name: str) -> Any:
+    # Imported when first used: the command line must not wait for the compiler to load.
+    if name not in _HOMES:
+        raise AttributeError(f'module {__name__!r} has no attribute {name!r}')
+    return getattr(importlib.import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])
