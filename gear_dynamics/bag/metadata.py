@@ -1,0 +1,163 @@
+"""What rosbag2 wants to know of a bag: offered QoS profiles and metadata.yaml."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from gear_dynamics.bag.messages import message_type
+
+METADATA_FILE = 'metadata.yaml'
+
+_FOREVER = {'sec': 9223372036, 'nsec': 854775807}
+"""RMW_DURATION_INFINITE: no deadline, no lifespan, no lease."""
+
+
+@dataclasses.dataclass(frozen=True)
+class OfferedQos:
+    """The quality of service with which a topic was published.
+
+    Attributes
+    ----------
+    depth : int
+        Length of the history.
+    reliability : str
+        'reliable' or 'best_effort'.
+    durability : str
+        'volatile' or 'transient_local'.
+    history : str
+        'keep_last' or 'keep_all'.
+    """
+
+    depth: int = 10
+    reliability: str = 'reliable'
+    durability: str = 'volatile'
+    history: str = 'keep_last'
+
+    def profile(self) -> dict[str, Any]:
+        """Return the nine keys that rosbag2 asks for, policies as words."""
+        return {
+            'history': self.history,
+            'depth': self.depth,
+            'reliability': self.reliability,
+            'durability': self.durability,
+            'deadline': dict(_FOREVER),
+            'lifespan': dict(_FOREVER),
+            'liveliness': 'automatic',
+            'liveliness_lease_duration': dict(_FOREVER),
+            'avoid_ros_namespace_conventions': False,
+        }
+
+    def text(self) -> str:
+        """Return the YAML sequence that stands in a channel's `offered_qos_profiles`."""
+        return yaml.safe_dump([self.profile()], sort_keys=False).strip()
+
+
+@dataclasses.dataclass(frozen=True)
+class Topic:
+    """A logged topic: absolute name, message type, and how it was published."""
+
+    name: str
+    type_name: str
+    qos: OfferedQos
+
+
+@dataclasses.dataclass(frozen=True)
+class FileSummary:
+    """What metadata.yaml says of one finished file.
+
+    Attributes
+    ----------
+    name : str
+        File name without folder.
+    start_time, end_time : int
+        Log time of the first and of the last message [ns]; 0 in an empty file.
+    size : int
+        Bytes.
+    counts : dict
+        Messages of each `Topic`.
+    """
+
+    name: str
+    start_time: int
+    end_time: int
+    size: int
+    counts: dict[Topic, int]
+
+    @property
+    def messages(self) -> int:
+        """Messages of all topics."""
+        return sum(self.counts.values())
+
+
+def bag_information(files: Iterable[FileSummary]) -> dict[str, Any]:
+    """Return the content of `rosbag2_bagfile_information`, version 9, of files in order."""
+    files = list(files)
+    counts: dict[Topic, int] = {}
+    for file in files:
+        for topic, count in file.counts.items():
+            counts[topic] = counts.get(topic, 0) + count
+    filled = [file for file in files if file.messages]
+    start = min((file.start_time for file in filled), default=0)
+    end = max((file.end_time for file in filled), default=start)
+    return {
+        'version': 9,
+        'storage_identifier': 'mcap',
+        'duration': {'nanoseconds': end - start},
+        'starting_time': {'nanoseconds_since_epoch': start},
+        'message_count': sum(counts.values()),
+        'topics_with_message_count': [
+            {'topic_metadata': _topic_metadata(topic), 'message_count': count}
+            for topic, count in counts.items()
+        ],
+        'compression_format': '',
+        'compression_mode': '',
+        'relative_file_paths': [file.name for file in files],
+        'files': [
+            {
+                'path': file.name,
+                'starting_time': {'nanoseconds_since_epoch': file.start_time},
+                'duration': {'nanoseconds': file.end_time - file.start_time},
+                'message_count': file.messages,
+            }
+            for file in files
+        ],
+        'custom_data': None,
+        'ros_distro': 'jazzy',
+    }
+
+
+def _topic_metadata(topic: Topic) -> dict[str, Any]:
+    return {
+        'name': topic.name,
+        'type': topic.type_name,
+        'serialization_format': 'cdr',
+        'offered_qos_profiles': [topic.qos.profile()],
+        'type_description_hash': message_type(topic.type_name).hash,
+    }
+
+
+def write_metadata(folder: Path, files: Iterable[FileSummary]) -> None:
+    """Write metadata.yaml of a bag folder, so that a crash leaves the old one or the new one."""
+    content = {'rosbag2_bagfile_information': bag_information(files)}
+    temporary = folder / (METADATA_FILE + '.tmp')
+    with temporary.open('w', encoding='utf-8') as stream:
+        yaml.safe_dump(content, stream, sort_keys=False, allow_unicode=True)
+        stream.flush()
+        os.fsync(stream.fileno())
+    temporary.replace(folder / METADATA_FILE)
+    sync_folder(folder)
+
+
+def sync_folder(folder: Path) -> None:
+    """Make new and renamed files in the folder outlive a power loss."""
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

@@ -1,0 +1,293 @@
+"""The log writer: a thread that writes what it is handed, and never makes anyone wait."""
+
+from __future__ import annotations
+
+import collections
+import dataclasses
+import threading
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import TracebackType
+
+from gear_dynamics.bag.folder import BagFolder, Limits, LogDeleted, LogStopped
+from gear_dynamics.bag.mcap_file import COMPRESSIONS
+from gear_dynamics.bag.messages import message_type
+from gear_dynamics.bag.metadata import OfferedQos, Topic
+
+SYNC_INTERVAL = 0.4
+"""Seconds between bringing everything to the disk; a crash loses little more than this."""
+
+PROBE_INTERVAL = 1.0
+"""Seconds between attempts to resume after a stop."""
+
+QUEUE_SIZE = 128 << 20
+"""Bytes that may wait for the disk: 48 s of the default stream."""
+
+
+@dataclasses.dataclass(frozen=True)
+class LogStatus:
+    """What the writer is doing.
+
+    Attributes
+    ----------
+    state : str
+        'writing', 'stopped' (it tries again by itself), or 'off' (closed).
+    reason : str
+        Why it stopped; empty while writing.
+    path : str
+        The bag folder; the directory it was meant for while there is no folder.
+    bytes : int
+        Bytes of the run on the disk.
+    messages : int
+        Messages written.
+    waiting : int
+        Messages handed in that are not written yet.
+    dropped : int
+        Messages handed in that are not in the log: queue full, stopped, or lost with a chunk
+        that the disk refused.
+    overflows : int
+        Those of `dropped` for which the queue was full.
+    """
+
+    state: str
+    reason: str
+    path: str
+    bytes: int
+    messages: int
+    waiting: int
+    dropped: int
+    overflows: int
+
+
+@dataclasses.dataclass(frozen=True)
+class _Message:
+    topic: Topic
+    data: bytes
+    log_time: int
+    publish_time: int
+
+
+@dataclasses.dataclass(frozen=True)
+class _Change:
+    configuration: dict[str, str]
+    log_time: int
+
+
+class LogWriter:
+    """Writes a run into a bag folder `gear_log_YYYY_MM_DD-HH_MM_SS/`, as rosbag2 would.
+
+    Everything is on the disk within a second. When the disk is full, is read-only or the folder
+    disappears, logging stops at the last whole chunk, and resumes in a new file when it can.
+
+    Parameters
+    ----------
+    directory : Path
+        Where the bag folder goes.
+    configuration : mapping of str to str
+        The run's configuration; every file carries it as a metadata record.
+    compression : str
+        'none', 'lz4' or 'zstd', applied per chunk.
+    split_size, split_duration, total_cap, free_floor : float
+        See `Limits`.
+
+    Raises
+    ------
+    ValueError
+        If the compression is not known or a limit is not positive.
+    """
+
+    def __init__(
+        self,
+        directory: Path,
+        configuration: Mapping[str, str],
+        compression: str = 'zstd',
+        split_size: float = Limits.split_size,
+        split_duration: float = Limits.split_duration,
+        total_cap: float = Limits.total_cap,
+        free_floor: float = Limits.free_floor,
+    ) -> None:
+        if compression not in COMPRESSIONS:
+            raise ValueError(
+                f'compression is {compression!r}: it must be one of {", ".join(COMPRESSIONS)}'
+            )
+        limits = Limits(split_size, split_duration, total_cap, free_floor)
+        self._folder = BagFolder(Path(directory), configuration, compression, limits)
+        self._topics: dict[tuple[str, str, OfferedQos], Topic] = {}
+        self._queue: collections.deque[_Message | _Change] = collections.deque()
+        self._queued_bytes = 0
+        self._condition = threading.Condition()
+        self._closing = False
+        self._reason: str | None = 'the log is being opened'
+        self._messages = self._dropped = self._overflows = 0
+        self._open()
+        self._thread = threading.Thread(target=self._run, name='log_writer', daemon=True)
+        self._thread.start()
+
+    def write(
+        self,
+        topic: str,
+        type_name: str,
+        data: bytes,
+        log_time: int,
+        publish_time: int,
+        qos: OfferedQos = OfferedQos(),  # noqa: B008 (frozen)
+    ) -> None:
+        """Hand in a message; returns at once.
+
+        Parameters
+        ----------
+        topic : str
+            Absolute name.
+        type_name : str
+            As 'sensor_msgs/msg/PointCloud2'.
+        data : bytes
+            CDR bytes as they came; they are not looked at.
+        log_time, publish_time : int
+            Time of arrival and stamp [ns].
+        qos : OfferedQos
+            How the topic is published.
+
+        Raises
+        ------
+        MessageError
+            If Jazzy has no such type.
+        ValueError
+            If the topic is not absolute or a time is negative.
+        """
+        key = (topic, type_name, qos)
+        if key not in self._topics:
+            if not topic.startswith('/'):
+                raise ValueError(f'topic {topic!r} must be absolute: it must begin with a slash')
+            message_type(type_name)
+            self._topics[key] = Topic(*key)
+        if not 0 <= log_time < 1 << 64 or not 0 <= publish_time < 1 << 64:
+            raise ValueError(
+                f'log_time {log_time} or publish_time {publish_time} ns is out of range'
+            )
+        message = _Message(self._topics[key], data, log_time, publish_time)
+        with self._condition:
+            if self._closing or self._queued_bytes + len(data) > QUEUE_SIZE:
+                self._dropped += 1
+                self._overflows += not self._closing
+                return
+            self._queue.append(message)
+            self._queued_bytes += len(data)
+            self._condition.notify()
+
+    def configure(self, configuration: Mapping[str, str]) -> None:
+        """Note in the log that the run's configuration is this from now on."""
+        with self._condition:
+            self._queue.append(_Change(dict(configuration), time.time_ns()))
+            self._condition.notify()
+
+    def status(self) -> LogStatus:
+        """Return what the writer is doing."""
+        with self._condition:
+            state = (
+                'off'
+                if not self._thread.is_alive()
+                else 'stopped'
+                if self._reason is not None
+                else 'writing'
+            )
+            return LogStatus(
+                state=state,
+                reason=self._reason or '',
+                path=str(self._folder.path or self._folder.directory),
+                bytes=self._folder.size,
+                messages=self._messages,
+                waiting=len(self._queue),
+                dropped=self._dropped,
+                overflows=self._overflows,
+            )
+
+    def close(self) -> LogStatus:
+        """Write what is waiting, finish the log with index and metadata.yaml, and say how it went.
+
+        `reason` is empty if the log is whole.
+        """
+        with self._condition:
+            self._closing = True
+            self._condition.notify()
+        self._thread.join()
+        return self.status()
+
+    def __enter__(self) -> LogWriter:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _run(self) -> None:
+        """Write until closed; the only place that touches the folder once the thread runs."""
+        deadline = time.monotonic() + SYNC_INTERVAL
+        while True:
+            with self._condition:
+                if not self._queue and not self._closing:
+                    self._condition.wait(max(deadline - time.monotonic(), 0.0))
+                item = self._queue.popleft() if self._queue else None
+                if isinstance(item, _Message):
+                    self._queued_bytes -= len(item.data)
+                if item is None and self._closing:
+                    break
+            if item is not None:
+                self._take(item)
+            if time.monotonic() >= deadline:
+                pause = SYNC_INTERVAL if self._reason is None else PROBE_INTERVAL
+                self._sync() if self._reason is None else self._open()
+                deadline = time.monotonic() + pause
+        if self._reason is None:
+            self._finish()
+
+    def _take(self, item: _Message | _Change) -> None:
+        if isinstance(item, _Change):
+            self._guard(lambda: self._folder.configure(item.configuration, item.log_time))
+        elif self._reason is not None:
+            self._dropped += 1
+        else:
+            self._messages += 1
+            self._guard(
+                lambda: self._folder.write(item.topic, item.data, item.log_time, item.publish_time)
+            )
+
+    def _sync(self) -> None:
+        self._guard(self._folder.sync)
+
+    def _open(self) -> None:
+        def resume() -> None:
+            self._folder.open()
+            self._reason = None
+
+        self._guard(resume)
+
+    def _guard(self, action: Callable[[], None]) -> None:
+        """Do something with the folder; stop at the last whole chunk if it fails."""
+        try:
+            action()
+        except LogDeleted as deleted:
+            self._lose(str(deleted))
+        except LogStopped as stop:
+            self._reason = str(stop)
+            self._finish()
+        except OSError as error:
+            self._lose(f'{error.filename or self._folder.path}: {error.strerror}')
+
+    def _finish(self) -> None:
+        if self._folder.is_open:
+            try:
+                self._folder.finish()
+            except OSError as error:
+                self._lose(f'{self._folder.path}: {error.strerror}')
+
+    def _lose(self, reason: str) -> None:
+        """Give up the chunk in progress, which the disk refused."""
+        lost = self._folder.abandon()
+        self._dropped += lost
+        self._messages -= lost
+        self._reason = reason
