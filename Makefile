@@ -1,0 +1,39 @@
+# make demo: set up, stream, analyse, log, and draw a picture
+# make test: set up, check and test everything
+
+PYTHON ?= python3
+VENV := .venv
+OLDEST := .venv-oldest
+
+# Whatever else is sourced in this shell would shadow the private environment.
+unexport PYTHONPATH PYTHONHOME AMENT_PREFIX_PATH RMW_IMPLEMENTATION LD_LIBRARY_PATH
+unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
+
+.PHONY: demo test test-oldest
+.DEFAULT_GOAL := demo
+
+demo: $(VENV)/ros
+	@$(VENV)/bin/python -m gear_dynamics.demo
+
+test: $(VENV)/test
+	@$(VENV)/bin/ruff check --quiet
+	@$(VENV)/bin/ruff format --quiet --check
+	@$(VENV)/bin/mypy
+	@$(VENV)/bin/python -m pytest --cov --cov-report=term:skip-covered
+
+# What Ubuntu 24.04 ships, with the tests that need no ROS.
+test-oldest: $(OLDEST)/test
+	@$(OLDEST)/bin/python -m pytest --quiet
+
+$(VENV)/ros: setup.py package.xml
+	@$(PYTHON) tools/environment.py $(VENV) -e '.[ros]'
+	@touch $@
+
+$(VENV)/test: setup.py package.xml
+	@$(PYTHON) tools/environment.py $(VENV) -e '.[ros,test]'
+	@touch $(VENV)/ros $@
+
+$(OLDEST)/test: setup.py package.xml
+	@$(PYTHON) tools/environment.py $(OLDEST) -e . 'numpy==1.26.*' 'scipy==1.11.*' \
+	  'numba==0.58.*' pytest pytest-timeout mcap-ros2-support
+	@touch $@
