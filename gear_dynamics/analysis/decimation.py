@@ -1,0 +1,88 @@
+"""Low-pass and decimation of a stream, block by block; NumPy alone, so that it loads at once."""
+
+from __future__ import annotations
+
+import numpy as np
+
+PASS_BAND = 0.4
+"""Edge of the pass band, as a share of the decimated rate; what folds into it comes from above
+1 - PASS_BAND = 0.6 of that rate."""
+
+ATTENUATION = 60.0
+"""Least attenuation of what folds into the pass band [dB]."""
+
+
+def lowpass_taps(ratio: int) -> np.ndarray:
+    """Return a linear-phase low-pass for decimation: a sinc under a Kaiser window.
+
+    Order and shape of the window are those of Kaiser (1974) for `ATTENUATION` and for a
+    transition from `PASS_BAND` to 1 - `PASS_BAND` of the decimated rate.
+
+    Parameters
+    ----------
+    ratio : int
+        Samples in for one out.
+
+    Returns
+    -------
+    ndarray
+        Of odd length and sum 1.
+    """
+    attenuation = ATTENUATION + 2  # the formulas are up to 1 dB off
+    transition = 2 * np.pi * (1 - 2 * PASS_BAND) / ratio
+    half = int(np.ceil((attenuation - 7.95) / (2.285 * transition) / 2))
+    beta = 0.1102 * (attenuation - 8.7)
+    taps = np.sinc(np.arange(-half, half + 1) / ratio) * np.kaiser(2 * half + 1, beta)
+    return taps / taps.sum()
+
+
+class Decimator:
+    """Low-pass, then every `ratio`-th sample.
+
+    The filter waits for the samples after each one that it gives out, so that its phase is zero:
+    what comes out belongs to the sample number that comes with it.
+
+    Parameters
+    ----------
+    ratio : int
+        Samples in for one out; 1 passes all through as it is.
+    """
+
+    def __init__(self, ratio: int) -> None:
+        self.ratio = ratio
+        self._taps = lowpass_taps(ratio) if ratio > 1 else np.ones(1)
+        self._past: np.ndarray | None = None
+        self._begin = 0
+
+    def reset(self) -> None:
+        """Forget the past; the next block begins as if its first sample had always been."""
+        self._past = None
+
+    def feed(self, block: np.ndarray, first: int) -> tuple[np.ndarray, np.ndarray]:
+        """Filter a block and return what of it, and of those before, can be given out.
+
+        Parameters
+        ----------
+        block : ndarray, shape (n, channels)
+            With n at least 1.
+        first : int
+            Number of the first sample in the stream.
+
+        Returns
+        -------
+        numbers : ndarray of int
+            Numbers of the samples given out: multiples of `ratio`.
+        values : ndarray, shape (len(numbers), channels)
+        """
+        length = len(self._taps)
+        if self._past is None:
+            self._past = np.repeat(block[:1], length - 1, axis=0)
+            self._begin = first
+        samples = np.concatenate([self._past, block])
+        self._past = samples[len(samples) - (length - 1) :]
+        delay = length // 2
+        earliest = max(first - delay, self._begin)
+        numbers = np.arange(-(-earliest // self.ratio) * self.ratio, first + len(block) - delay)
+        numbers = numbers[:: self.ratio]
+        windows = np.lib.stride_tricks.sliding_window_view(samples, length, axis=0)
+        return numbers, windows[numbers - (first - delay)] @ self._taps

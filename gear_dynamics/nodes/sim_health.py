@@ -1,0 +1,73 @@
+"""What the sim says of itself in /diagnostics."""
+
+from __future__ import annotations
+
+import time
+
+from gear_dynamics.model.simulator import Simulator
+from gear_dynamics.nodes.diagnostics import Level, Report, Task
+from gear_dynamics.nodes.pacing import SECOND, Schedule
+from gear_dynamics.settings import SimSettings
+
+SLOW = 0.98
+"""Share of the wanted real-time factor below which the sim warns that it cannot keep up."""
+
+
+class SimHealth:
+    """Reports of pace, commands and integrator.
+
+    Parameters
+    ----------
+    settings : SimSettings
+        As at the start.
+    simulator : Simulator
+    schedule : Schedule
+    """
+
+    def __init__(self, settings: SimSettings, simulator: Simulator, schedule: Schedule) -> None:
+        self.paused = False
+        self.rejected_commands = 0
+        self._wanted = settings.real_time_factor
+        self._rate = settings.sample_rate
+        self._simulator = simulator
+        self._schedule = schedule
+        self._before = (time.monotonic_ns(), 0)
+
+    def tasks(self) -> dict[str, Task]:
+        """Return the reports by name."""
+        return {'pace': self._pace, 'commands': self._commands, 'integrator': self._integrator}
+
+    def _pace(self) -> Report:
+        factor = self._real_time_factor()
+        lag = 0.0 if self.paused else self._schedule.lag(time.monotonic_ns())
+        values = {
+            'real_time_factor': factor,
+            'lag [s]': lag,
+            'overruns': self._schedule.overruns,
+            'samples': self._simulator.samples_done,
+            'sample_rate [Hz]': self._rate,
+        }
+        if self.paused:
+            return Report(Level.OK, 'paused', values)
+        if factor < SLOW * self._wanted:
+            message = (
+                f'cannot keep up: real-time factor {factor:.3g} of {self._wanted:g}, '
+                f'simulated time is {lag:.3g} s behind'
+            )
+            return Report(Level.WARN, message, values)
+        return Report(Level.OK, 'streaming', values)
+
+    def _commands(self) -> Report:
+        return Report(Level.OK, '', {'rejected': self.rejected_commands})
+
+    def _integrator(self) -> Report:
+        return Report(Level.OK, '', self._simulator.counters)
+
+    def _real_time_factor(self) -> float:
+        """Return model time by wall-clock time since the last call."""
+        now, samples = time.monotonic_ns(), self._simulator.samples_done
+        then, before = self._before
+        self._before = (now, samples)
+        if samples < before or now == then:  # after a reset
+            return self._wanted
+        return (samples - before) / self._rate * SECOND / (now - then)

@@ -1,0 +1,93 @@
+"""The full-rate topics of the sim: samples, events and the clock, one message a block."""
+
+from __future__ import annotations
+
+import numpy as np
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import HistoryPolicy, QoSProfile
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import PointCloud2
+
+from gear_dynamics.bag.messages import message_class, serialize
+from gear_dynamics.bag.tables import columns_as_float32, encode_table
+from gear_dynamics.nodes.pacing import SECOND
+
+FRAME = 'line_of_action'
+
+DEPTH = 100
+"""Blocks that are kept for a reliable listener that is behind."""
+
+
+class Stream:
+    """Publishes blocks of samples with their events.
+
+    Parameters
+    ----------
+    node : rclpy.node.Node
+    keep_all : bool
+        Whether no block may be lost: then `publish` tells when a listener is too far behind.
+    publish_clock : bool
+        Whether the stamps drive /clock.
+    """
+
+    def __init__(self, node: Node, keep_all: bool, publish_clock: bool) -> None:
+        history = HistoryPolicy.KEEP_ALL if keep_all else HistoryPolicy.KEEP_LAST
+        qos = QoSProfile(history=history, depth=DEPTH)
+        self._samples = node.create_publisher(PointCloud2, 'gear_pair/samples', qos)
+        self._events = node.create_publisher(PointCloud2, 'gear_pair/events', qos)
+        self._clock = node.create_publisher(Clock, '/clock', 10) if publish_clock else None
+        self._waiting: list[tuple[Publisher, bytes]] = []
+
+    def put(
+        self, samples: np.ndarray, events: np.ndarray, start: float, stamp_ns: int, end_ns: int
+    ) -> None:
+        """Take a block to publish.
+
+        Parameters
+        ----------
+        samples : ndarray
+            Of dtype SAMPLES.
+        events : ndarray
+            Of dtype EVENTS.
+        start : float
+            Time of the first sample in the count of both columns t [s].
+        stamp_ns, end_ns : int
+            Stamps of the first sample of this block and of the next [ns].
+        """
+        events = events.copy()
+        events['t'] -= start
+        rows = columns_as_float32(samples, start)
+        self._waiting = [
+            (self._samples, encode_table(rows, stamp_ns, FRAME)),
+            (self._events, encode_table(events, stamp_ns, FRAME)),
+        ]
+        if self._clock is not None:
+            self._waiting.append((self._clock, _clock_bytes(end_ns)))
+
+    def publish(self) -> bool:
+        """Publish what was taken; return whether all of it went out.
+
+        With keep-all, a listener that is too far behind makes the middleware refuse the message
+        after a while (100 ms); what was refused waits for the next call.
+        """
+        while self._waiting:
+            publisher, data = self._waiting[0]
+            try:
+                publisher.publish(data)
+            except Exception as error:  # RCLError is a private class of the extension
+                if 'publish' not in str(error):
+                    raise
+                return False
+            del self._waiting[0]
+        return True
+
+    @property
+    def listeners(self) -> int:
+        """How many listen to the samples."""
+        return self._samples.get_subscription_count()
+
+
+def _clock_bytes(stamp_ns: int) -> bytes:
+    time = message_class('builtin_interfaces/msg/Time')(*divmod(stamp_ns, SECOND))
+    return serialize(message_class('rosgraph_msgs/msg/Clock')(time))
