@@ -9,7 +9,7 @@ OLDEST := .venv-oldest
 unexport PYTHONPATH PYTHONHOME AMENT_PREFIX_PATH RMW_IMPLEMENTATION LD_LIBRARY_PATH
 unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 
-.PHONY: demo test test-oldest
+.PHONY: demo test test-oldest tables
 .DEFAULT_GOAL := demo
 
 demo: $(VENV)/ros
@@ -37,3 +37,7 @@ $(OLDEST)/test: setup.py package.xml
 	@$(PYTHON) tools/environment.py $(OLDEST) -e . 'numpy==1.26.*' 'scipy==1.11.*' \
 	  'numba==0.58.*' pytest pytest-timeout mcap-ros2-support
 	@touch $@
+
+# The tables of README.md, from the parameter lists.
+tables: $(VENV)/ros
+	@$(VENV)/bin/python tools/parameter_table.py

@@ -1,0 +1,58 @@
+"""Write the table of parameters into README.md, from the parameter lists of the package.
+
+Usage: python tools/parameter_table.py
+"""
+
+from pathlib import Path
+
+from gear_dynamics.model.parameter import Parameter, Value
+from gear_dynamics.parameter_files import NODES
+
+README = Path(__file__).resolve().parents[1] / 'README.md'
+BEGIN, END = '<!-- parameters: make tables writes this -->', '<!-- end of parameters -->'
+HEAD = ['| name | default | range | unit | live | what it is |', '|---|---|---|---|---|---|']
+
+
+def table() -> str:
+    """Return the parameters of all nodes in Markdown, one table for each list."""
+    lists = dict.fromkeys(each for lists in NODES.values() for each in lists)
+    parts = []
+    for each in lists:
+        nodes = ' and '.join(f'`{node}`' for node in NODES if each in NODES[node])
+        what = (each.__doc__ or '').partition('\n')[0]
+        rows = [_row(about) for about in each.parameters()]
+        parts.append('\n'.join([f'{nodes}: {what}', '', *HEAD, *rows]))
+    return '\n\n'.join(parts)
+
+
+def with_table(text: str) -> str:
+    """Return the README's text with the present tables between the marks."""
+    before, _, rest = text.partition(BEGIN)
+    _, _, after = rest.partition(END)
+    return f'{before}{BEGIN}\n\n{table()}\n\n{END}{after}'
+
+
+def _row(about: Parameter) -> str:
+    live = 'yes' if about.live else ''
+    cells = (f'`{about.name}`', _text(about.default), _range(about), about.unit, live)
+    return f'| {" | ".join(cells)} | {about.description} |'
+
+
+def _range(about: Parameter) -> str:
+    if about.choices:
+        return ', '.join(f'`{choice}`' for choice in about.choices)
+    if about.minimum is None or about.maximum is None:
+        return ''
+    return f'{_text(about.minimum)} to {_text(about.maximum)}'
+
+
+def _text(value: Value) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, int | float):
+        return f'{value:.6g}'.replace('e+0', 'e').replace('e+', 'e').replace('e-0', 'e-')
+    return f'`{value}`' if value else ''
+
+
+if __name__ == '__main__':
+    README.write_text(with_table(README.read_text(encoding='utf-8')), encoding='utf-8')
