@@ -6,15 +6,17 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from gear_dynamics.bag.reader import read_log
     from gear_dynamics.model.parameter import ParameterError
     from gear_dynamics.parameter_files import GearPair
 
 _HOMES = {
     'GearPair': 'gear_dynamics.parameter_files',
     'ParameterError': 'gear_dynamics.model.parameter',
+    'read_log': 'gear_dynamics.bag.reader',
 }
 
-__all__ = ['GearPair', 'ParameterError']
+__all__ = ['GearPair', 'ParameterError', 'read_log']
 
 
 def __getattr__(name: str) -> Any:

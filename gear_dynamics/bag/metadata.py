@@ -58,9 +58,12 @@ class OfferedQos:
         return yaml.safe_dump([self.profile()], sort_keys=False).strip()
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, eq=False)
 class Topic:
-    """A logged topic: absolute name, message type, and how it was published."""
+    """A logged topic: absolute name, message type, and how it was published.
+
+    One object a topic: it is the key under which messages are counted, by identity for speed.
+    """
 
     name: str
     type_name: str

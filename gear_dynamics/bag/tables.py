@@ -103,7 +103,7 @@ def encode_table(rows: np.ndarray, stamp_ns: int, frame_id: str) -> bytes:
     )
 
 
-def decode_table(data: bytes) -> Table:
+def decode_table(data: bytes | memoryview) -> Table:
     """Return the table that the CDR bytes of a PointCloud2 hold, without copying the rows.
 
     Raises

@@ -1,0 +1,204 @@
+"""Logs into arrays and messages: `gd.read_log`, and what `replay` plays."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Collection, Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.lib.recfunctions import repack_fields
+
+from gear_dynamics.bag.log import Log, LogPath, message_time, warn_of
+from gear_dynamics.bag.rows import row_reader
+from gear_dynamics.bag.source import Damage, LogChannel, LogError
+
+_ROWS_AT_FIRST = 1 << 16
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class LogMessage:
+    """A message of a log.
+
+    Attributes
+    ----------
+    channel : LogChannel
+        Topic, type, type hash and offered QoS profiles (YAML).
+    data : bytes
+        CDR bytes as they were published; not checked against the type.
+    log_time, publish_time : int
+        Arrival and stamp [ns].
+    path : Path
+        File.
+    offset : int
+        Byte at which the message's chunk begins.
+    """
+
+    channel: LogChannel
+    data: bytes
+    log_time: int
+    publish_time: int
+    path: Path
+    offset: int
+
+    @property
+    def place(self) -> str:
+        """Where the message is, in words."""
+        return (
+            f'{self.path.name}, chunk at byte {self.offset}, topic {self.channel.topic}, '
+            f'log time {self.log_time} ns'
+        )
+
+
+def read_messages(
+    path: LogPath,
+    topics: Collection[str] | None = None,
+    start: int | None = None,
+    end: int | None = None,
+    on_damage: Callable[[Damage], None] = warn_of,
+) -> Iterator[LogMessage]:
+    """Iterate over the messages of a log by log time, with one chunk a file in memory.
+
+    Parameters
+    ----------
+    path : path, or sequence of paths
+        Bag folders and MCAP files; whole, cut or damaged.
+    topics : collection of str, optional
+        Only these topics, absolute names.
+    start, end : int, optional
+        Only log times from `start` on and before `end` [ns].
+    on_damage : callable
+        Told of every place that is skipped; a `LogWarning` by default.
+
+    Raises
+    ------
+    LogError
+        If there is no such file.
+    """
+    with Log(path, on_damage) as log:
+        for source, message in log.messages(topics, start, end):
+            yield LogMessage(
+                message.channel,
+                bytes(message.data),
+                message.log_time,
+                message.publish_time,
+                source.path,
+                message.offset,
+            )
+
+
+def iter_rows(
+    log: Log,
+    topic: str,
+    start: float | None = None,
+    end: float | None = None,
+    columns: Sequence[str] | None = None,
+) -> Iterator[np.ndarray]:
+    """Iterate over the messages of a topic as structured arrays; arguments as for `read_log`."""
+    name = log.resolve(topic)
+    # A time range needs t even where it is not asked for.
+    hidden = columns is not None and 't' not in columns and (start, end) != (None, None)
+    reader = row_reader(log.topics()[name], ['t', *columns] if hidden and columns else columns)
+    origin = log.origin()
+    for source, message in log.messages([name]):
+        try:
+            rows = reader.read(message.data, (message_time(message) - origin) * 1e-9)
+        except LogError:
+            raise
+        except ValueError as error:
+            reason = f'a message of {name} at log time {message.log_time} ns is skipped: {error}'
+            log.on_damage(Damage(source.path, message.offset, reason))
+            continue
+        if start is not None:
+            rows = rows[rows['t'] >= start]
+        if end is not None:
+            rows = rows[rows['t'] < end]
+        if len(rows):
+            yield repack_fields(rows[list(columns or ())]) if hidden else rows
+
+
+def read_log(
+    path: LogPath,
+    topic: str = 'gear_pair/samples',
+    start: float | None = None,
+    end: float | None = None,
+    columns: Sequence[str] | None = None,
+) -> np.ndarray:
+    """Return what was logged on a topic as one structured array.
+
+    Samples come back as `gd.simulate` returns them (float64). Other tables keep the types of
+    their columns behind a column t, and messages of other types give a row each, or one for each
+    value where they hold a list of them.
+
+    Parameters
+    ----------
+    path : path, or sequence of paths
+        Bag folders and MCAP files; whole, cut or damaged. What cannot be read is skipped with a
+        `LogWarning` that names the place.
+    topic : str
+        Name; that without its namespace will do if it is the only one.
+    start, end : float, optional
+        Only rows with start <= t < end [s].
+    columns : sequence of str, optional
+        Only these columns, in this order.
+
+    Returns
+    -------
+    ndarray
+        Structured. Its t [s] counts from the stamp of the log's first block of samples, on all
+        topics alike; in a log without samples, from its first message.
+
+    Raises
+    ------
+    LogError
+        If there is no such file, topic or column, or nothing can be read.
+    """
+    with Log(path) as log:
+        blocks = iter_rows(log, topic, start, end, columns)
+        first = next(blocks, None)
+        if first is None:
+            return _empty(log, topic, columns)
+        expected = _expected_rows(log, log.resolve(topic), len(first), start, end)
+        rows = np.empty(max(expected, len(first), 1), first.dtype)
+        rows[: len(first)] = first
+        filled = len(first)
+        for block in blocks:
+            if block.dtype != rows.dtype:
+                rows = _widen(rows, block.dtype, topic)
+            if filled + len(block) > len(rows):
+                rows.resize(max(2 * len(rows), filled + len(block)), refcheck=False)
+            rows[filled : filled + len(block)] = block
+            filled += len(block)
+        rows.resize(filled, refcheck=False)
+        return rows
+
+
+def _expected_rows(log: Log, name: str, block: int, start: float | None, end: float | None) -> int:
+    """Guess the number of rows, so that the array need not grow: exact for equal blocks."""
+    if start is not None or end is not None or not log.indexed:
+        return _ROWS_AT_FIRST
+    messages = 0
+    for source in log.sources:
+        assert source.summary is not None
+        assert source.summary.statistics is not None
+        for number, channel in source.channels.items():
+            if channel.topic == name:
+                messages += source.summary.statistics.channel_message_counts.get(number, 0)
+    return messages * block
+
+
+def _widen(rows: np.ndarray, dtype: np.dtype, topic: str) -> np.ndarray:
+    """Make room for longer texts; any other change of columns has no common array."""
+    try:
+        return rows.astype(np.promote_types(rows.dtype, dtype), copy=False)
+    except TypeError:
+        raise LogError(
+            f'the columns of {topic} change within the log: read the parts one by one'
+        ) from None
+
+
+def _empty(log: Log, topic: str, columns: Sequence[str] | None) -> np.ndarray:
+    """Return no rows, with the right columns if the topic has any."""
+    for rows in iter_rows(log, topic, columns=columns):
+        return rows[:0]
+    return np.empty(0, [('t', np.float64)])
