@@ -8,15 +8,26 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from gear_dynamics.bag.reader import read_log
     from gear_dynamics.model.parameter import ParameterError
+    from gear_dynamics.model.simulator import IntegrationError, Simulator, simulate
     from gear_dynamics.parameter_files import GearPair
 
 _HOMES = {
     'GearPair': 'gear_dynamics.parameter_files',
+    'IntegrationError': 'gear_dynamics.model.simulator',
     'ParameterError': 'gear_dynamics.model.parameter',
+    'Simulator': 'gear_dynamics.model.simulator',
     'read_log': 'gear_dynamics.bag.reader',
+    'simulate': 'gear_dynamics.model.simulator',
 }
 
-__all__ = ['GearPair', 'ParameterError', 'read_log']
+__all__ = [
+    'GearPair',
+    'IntegrationError',
+    'ParameterError',
+    'Simulator',
+    'read_log',
+    'simulate',
+]
 
 
 def __getattr__(name: str) -> Any:

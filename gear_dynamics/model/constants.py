@@ -1,0 +1,93 @@
+"""The numbers that the compiled kernels need of a gear pair, as one NumPy record.
+
+Symbols are those of docs/model.md: index 1 the pinion, 2 the gear, y along the line of action.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from gear_dynamics.model.gear_pair import GearPair
+
+CONSTANTS = np.dtype(
+    [
+        (name, np.float64)
+        for name in (
+            # rigid bodies, supports
+            'm1 m2 inertia1 inertia2 c1 c2 k1 k2 me rb1 rb2 ratio inertia_t '
+            # one tooth pair, mesh
+            'k c b mu e_a phi0 z1 z2 pitch approach eps arm1 arm_sum '
+            # drive
+            'kd cd ki '
+            # scales and tolerances
+            'wn rtol atol'
+        ).split()
+    ]
+    + [(name, np.int64) for name in ('rectangular', 'damping_in_gap', 'drive', 'hunting')]
+)
+"""k, c: of one tooth pair; pitch: base pitch; arm1: r1 sin a - l1; arm_sum: (rb1 + rb2) tan a;
+ratio: rb1 / rb2; inertia_t: It; drive: 1 for the six-coordinate form, 0 for the reduced one;
+hunting: tooth pairs until the same two teeth meet again."""
+
+
+def pack(pair: GearPair, rtol: float, atol: float, drive: bool = True) -> np.ndarray:
+    """Return the constants of a gear pair as an array of one record.
+
+    Parameters
+    ----------
+    pair : GearPair
+    rtol, atol : float
+        Tolerances of the integrator; atol is scaled by b, b wn or b / rb.
+    drive : bool
+        False gives the reduced form: no drive, no rigid rotation, T1 = T2 z1 / z2.
+    """
+    derived = pair.derived
+    angle = math.radians(pair.pressure_angle_deg)
+    ratio = derived.pinion_base_radius / derived.gear_base_radius
+    inertia_t = derived.pinion_inertia + derived.gear_inertia * ratio**2
+    drive_rate = 2 * math.pi * pair.drive_frequency
+    kd = drive_rate**2 * inertia_t
+    values = {
+        'm1': derived.pinion_mass,
+        'm2': derived.gear_mass,
+        'inertia1': derived.pinion_inertia,
+        'inertia2': derived.gear_inertia,
+        'c1': derived.pinion_support_damping,
+        'c2': derived.gear_support_damping,
+        'k1': pair.pinion_support_stiffness,
+        'k2': pair.gear_support_stiffness,
+        'me': derived.equivalent_mass,
+        'rb1': derived.pinion_base_radius,
+        'rb2': derived.gear_base_radius,
+        'ratio': ratio,
+        'inertia_t': inertia_t,
+        'k': pair.tooth_pair_stiffness,
+        'c': derived.tooth_pair_damping,
+        'b': pair.half_backlash,
+        'mu': pair.friction_coefficient,
+        'e_a': pair.transmission_error_amplitude,
+        'phi0': pair.transmission_error_phase,
+        'z1': pair.pinion_teeth,
+        'z2': pair.gear_teeth,
+        'pitch': derived.base_pitch,
+        'approach': derived.approach_length,
+        'eps': derived.contact_ratio,
+        'arm1': derived.pinion_pitch_radius * math.sin(angle) - derived.approach_length,
+        'arm_sum': (derived.pinion_base_radius + derived.gear_base_radius) * math.tan(angle),
+        'kd': kd,
+        'cd': 2 * pair.drive_damping_ratio * drive_rate * inertia_t,
+        'ki': kd * drive_rate / 5,
+        'wn': derived.wn,
+        'rtol': rtol,
+        'atol': atol,
+        'rectangular': pair.mesh_stiffness == 'rectangular',
+        'damping_in_gap': pair.damping_in_gap,
+        'drive': drive,
+        'hunting': math.lcm(pair.pinion_teeth, pair.gear_teeth),
+    }
+    packed = np.zeros(1, CONSTANTS)
+    for name, value in values.items():
+        packed[name] = value
+    return packed

@@ -1,0 +1,157 @@
+"""Finding the instant at which a tooth pair loses or regains contact, on the dense output."""
+
+from __future__ import annotations
+
+import math
+
+import numba
+import numpy as np
+
+from gear_dynamics.model.series import value_and_slope
+
+DRIVE, GAP, BACK = 1, 0, -1
+"""Contact states of a tooth pair: on the drive flank, in the backlash gap, on the back flank."""
+
+POINTS = 8
+"""Points of a step at which delta is looked at. A step spans at most about five radians of the
+fastest mode, so that between points there is room for one extremum at most."""
+
+_NEAR = 8 * np.finfo(np.float64).eps
+
+
+@numba.njit(cache=True)
+def contact_state(delta, slope, b):
+    """Return the contact state at relative displacement delta; on the edge the slope decides."""
+    if delta > b or (delta == b and slope >= 0):
+        return DRIVE
+    if delta < -b or (delta == -b and slope <= 0):
+        return BACK
+    return GAP
+
+
+@numba.njit(cache=True)
+def _root(g, level, sign, inside, outside):
+    """Return where sign (g - level) falls to zero between the times inside and outside."""
+    t = 0.5 * (inside + outside)
+    for _ in range(100):
+        value, slope = value_and_slope(g, t)
+        value -= level
+        if sign * value > 0:
+            inside = t
+        else:
+            outside = t
+        newton = t - value / slope if slope != 0 else math.inf
+        low, high = min(inside, outside), max(inside, outside)
+        following = newton if low < newton < high else 0.5 * (low + high)
+        if abs(following - t) <= 2e-16 * high:
+            return following
+        t = following
+    return t
+
+
+@numba.njit(cache=True)
+def _extremum(g, low, high):
+    """Return where the slope of g, of opposite signs at low and high, is zero.
+
+    Regula falsi, with the stale end's weight halved (Illinois).
+    """
+    slope_low, slope_high = value_and_slope(g, low)[1], value_and_slope(g, high)[1]
+    t = high
+    for _ in range(60):
+        before = t
+        t = (low * slope_high - high * slope_low) / (slope_high - slope_low)
+        slope = value_and_slope(g, t)[1]
+        if slope == 0.0 or abs(t - before) <= 1e-12 * high:
+            break
+        if (slope > 0) == (slope_high > 0):
+            high, slope_high = t, slope
+            slope_low *= 0.5
+        else:
+            low, slope_low = t, slope
+            slope_high *= 0.5
+    return t
+
+
+@numba.njit(cache=True)
+def _exit(g, level, sign, near, ta, ga, sa, tb, gb, sb):
+    """Return the first time in [ta, tb] at which sign (g - level) turns negative, or inf.
+
+    ga, sa, gb, sb: value and slope of g at ta and tb. A value nearer than `near` to the level at ta
+    is that of a pair that has just come over the edge, or that leaves it at once.
+    """
+    ua, va = sign * (ga - level), sign * sa
+    ub, vb = sign * (gb - level), sign * sb
+    if ua <= near:
+        if va < 0 or (va == 0 and ub < 0):
+            return ta
+        if ub >= 0:
+            return math.inf
+        return _root(g, level, sign, _extremum(g, ta, tb) if va > 0 > vb else ta, tb)
+    if ub < 0:
+        return _root(g, level, sign, ta, tb)
+    # Between slopes va and vb the dip below the ends is at most a quarter of (vb - va) (tb - ta)
+    # where g is convex; twice that leaves room for an inflection.
+    if va < 0 < vb and min(ua, ub) <= 0.5 * (vb - va) * (tb - ta):
+        lowest = _extremum(g, ta, tb)
+        if sign * (value_and_slope(g, lowest)[0] - level) < 0:
+            return _root(g, level, sign, ta, lowest)
+    return math.inf
+
+
+@numba.njit(cache=True)
+def _four_points(g, t0, t1, t2, t3, work, at):
+    """Put value and slope of g at four times into columns at .. at + 3 of `work`."""
+    v0 = v1 = v2 = v3 = g[g.size - 1]
+    s0 = s1 = s2 = s3 = 0.0
+    for k in range(g.size - 2, -1, -1):
+        s0, s1, s2, s3 = s0 * t0 + v0, s1 * t1 + v1, s2 * t2 + v2, s3 * t3 + v3
+        gk = g[k]
+        v0, v1, v2, v3 = v0 * t0 + gk, v1 * t1 + gk, v2 * t2 + gk, v3 * t3 + gk
+    work[0, at], work[0, at + 1], work[0, at + 2], work[0, at + 3] = v0, v1, v2, v3
+    work[1, at], work[1, at + 1], work[1, at + 2], work[1, at + 3] = s0, s1, s2, s3
+
+
+@numba.njit(cache=True)
+def first_change(g, h, state, b, work):
+    """Return the first instant in [0, h] at which a pair's contact changes, and its next state.
+
+    Parameters
+    ----------
+    g : (ROWS,) array
+        Series of the pair's delta_i.
+    h : float
+        Length of the step [s].
+    state : int
+        DRIVE, GAP or BACK.
+    b : float
+        Half backlash [m].
+    work : (2, POINTS + 1) array
+        Scratch.
+
+    Returns
+    -------
+    t, new_state : float, int
+        t is inf if the state lasts.
+    """
+    near = _NEAR * b
+    work[0, 0], work[1, 0] = g[0], g[1]
+    part = h / POINTS
+    _four_points(g, part, 2 * part, 3 * part, 4 * part, work, 1)
+    _four_points(g, 5 * part, 6 * part, 7 * part, h, work, 5)
+    for j in range(POINTS):
+        ta, tb = j * part, (j + 1) * part if j + 1 < POINTS else h
+        ga, sa, gb, sb = work[0, j], work[1, j], work[0, j + 1], work[1, j + 1]
+        if state == DRIVE:
+            t = _exit(g, b, 1.0, near, ta, ga, sa, tb, gb, sb)
+            if t < math.inf:
+                return t, GAP
+        elif state == BACK:
+            t = _exit(g, -b, -1.0, near, ta, ga, sa, tb, gb, sb)
+            if t < math.inf:
+                return t, GAP
+        else:
+            rises = _exit(g, b, -1.0, near, ta, ga, sa, tb, gb, sb)
+            falls = _exit(g, -b, 1.0, near, ta, ga, sa, tb, gb, sb)
+            if rises < math.inf or falls < math.inf:
+                return (rises, DRIVE) if rises <= falls else (falls, BACK)
+    return math.inf, state

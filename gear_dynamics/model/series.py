@@ -1,0 +1,214 @@
+"""Taylor series of the motion about one instant, by recurrence; the heart of the integrator.
+
+Between events the equations of docs/model.md are linear, with coefficients that are polynomials in
+time, so every order of the series follows from the orders before it in a few operations. The series
+is its own dense output. (Taylor methods: Jorba and Zou, 2005.)
+"""
+
+from __future__ import annotations
+
+import math
+
+import numba
+import numpy as np
+
+ORDER = 28
+"""Order of the positions' series."""
+
+ROWS = ORDER + 1
+"""Rows of a series: the coefficients of t^0 to t^ORDER."""
+
+# Columns of a series.
+X1, Y1, X2, Y2, PSI, Q, DELTA = range(7)
+COLUMNS = 8
+"""Positions and delta; the eighth column pads a row to the width of vector registers."""
+
+STATES = 13
+"""States: six positions (x1, y1, x2, y2, psi, q), their velocities, and the integral of q.
+
+psi = rb1 th1 - rb2 th2 and q, the rigid rotation, stand for th1 and th2: at mu = 0 the drive then
+never touches the vibration, to the last bit.
+"""
+
+WIDTH = 13
+"""Coefficients of a segment's polynomials in time: s is quadratic in time while the speed ramps,
+profiles are cubic in s, and the offset is a product of two of them."""
+
+# Rows of a segment: what multiplies delta and delta', and the offset, in the mesh force F, the
+# friction force Ff and the moment sum of Ff_i times the arm at the beginning of the step.
+SEG_FORCE, SEG_FRICTION, SEG_MOMENT = 0, 3, 6
+# Flank errors of pairs A and B.
+SEG_ERROR = 9
+# One pair's own stiffness, damping and offset, while its profile is added to the sums.
+SEG_PAIR = 11
+SEGMENT = 14
+
+_INVERSE = 1.0 / np.arange(1, ORDER + 3)
+
+
+@numba.njit(cache=True)
+def transmission_error(p, phase, speed, accel, e):
+    """Fill `e` with the series of e(phi) while the pinion turns at speed + accel t."""
+    angle = 2 * math.pi * phase + p.phi0
+    rate, ramp = p.z1 * speed, p.z1 * accel
+    sine, cosine = p.e_a * math.sin(angle), p.e_a * math.cos(angle)
+    if ramp == 0.0:
+        for k in range(ROWS):
+            e[k] = sine
+            factor = rate * _INVERSE[k]
+            sine, cosine = cosine * factor, -sine * factor
+        return
+    sine_before = cosine_before = 0.0
+    for k in range(ROWS):
+        e[k] = sine
+        sine_next = (rate * cosine + ramp * cosine_before) * _INVERSE[k]
+        cosine_next = -(rate * sine + ramp * sine_before) * _INVERSE[k]
+        sine_before, cosine_before = sine, cosine
+        sine, cosine = sine_next, cosine_next
+
+
+@numba.njit(cache=True)
+def _higher_orders(segment, row, k, series):
+    """Return what the segment's orders above 0 add to order k of a force or moment."""
+    total = segment[row + 2, k] if 0 < k < WIDTH else 0.0
+    for j in range(1, min(k, WIDTH - 1) + 1):
+        total += segment[row, j] * series[k - j, DELTA]
+        total += segment[row + 1, j] * (k - j + 1) * series[k - j + 1, DELTA]
+    return total
+
+
+@numba.njit(cache=True)
+def expand(p, y, e, segment, degree, travel, travel_rate, load, load_rate, series):
+    """Fill `series` with the Taylor series of the motion from state `y`.
+
+    Parameters
+    ----------
+    p : record of CONSTANTS
+    y : (STATES,) array
+    e : (ROWS,) array
+        Series of the transmission error; zero for a variation of the motion.
+    segment : (SEGMENT, WIDTH) array
+        Polynomials in time of the mesh; only order 0 is used if `degree` is 0.
+    degree : int
+    travel, travel_rate : float
+        The arms grow by travel t + travel_rate t^2 [m].
+    load, load_rate : float
+        Load side torque T2 + I2 Theta2'' at the beginning [N m] and its rate [N m/s].
+    series : (ROWS, COLUMNS) array
+        Overwritten.
+    """
+    # Everything from records and arrays is read into locals once: a store into `series` might
+    # otherwise be taken to change it.
+    inv_m1, inv_m2, inv_me, inv_it = 1 / p.m1, 1 / p.m2, 1 / p.me, 1 / p.inertia_t
+    c1, k1, c2, k2 = p.c1 * inv_m1, p.k1 * inv_m1, p.c2 * inv_m2, p.k2 * inv_m2
+    psi_1, psi_2 = p.rb1 / p.inertia1, p.rb2 / p.inertia2
+    arm_sum, ratio = p.arm_sum, p.ratio
+    kd, cd, ki = p.kd, p.cd, p.ki
+    drive, rubs = p.drive != 0, p.mu > 0
+    force_k, force_c, force_o = segment[0, 0], segment[1, 0], segment[2, 0]
+    rub_k, rub_c, rub_o = segment[3, 0], segment[4, 0], segment[5, 0]
+    turn_k, turn_c, turn_o = segment[6, 0], segment[7, 0], segment[8, 0]
+    # x1 is order k of the position, x1n order k + 1.
+    x1, y1, x2, y2, psi, q = y[0], y[1], y[2], y[3], y[4], y[5]
+    x1n, y1n, x2n, y2n, psin, qn = y[6], y[7], y[8], y[9], y[10], y[11]
+    q_sum = y[12]
+    delta = y2 - y1 + psi - e[0]
+    load_k, load_next = load / p.rb2, load_rate / p.rb2
+    friction = friction_1 = friction_2 = torque1 = torque2 = control = a_q = 0.0
+    for k in range(ROWS - 1):
+        order = k + 1.0
+        inverse = _INVERSE[k]
+        delta_n = y2n - y1n + psin - e[k + 1]
+        delta_dot = order * delta_n
+        series[k, X1], series[k, Y1], series[k, X2], series[k, Y2] = x1, y1, x2, y2
+        series[k, PSI], series[k, Q], series[k, DELTA] = psi, q, delta
+        force = force_k * delta + force_c * delta_dot + force_o
+        if degree > 0:
+            series[k + 1, DELTA] = delta_n
+            force += _higher_orders(segment, SEG_FORCE, k, series)
+        if rubs:
+            friction = rub_k * delta + rub_c * delta_dot + rub_o
+            torque1 = turn_k * delta + turn_c * delta_dot + turn_o
+            if degree > 0:
+                friction += _higher_orders(segment, SEG_FRICTION, k, series)
+                torque1 += _higher_orders(segment, SEG_MOMENT, k, series)
+            torque1 += travel * friction_1 + travel_rate * friction_2
+            torque2 = arm_sum * friction - torque1
+            friction_2, friction_1 = friction_1, friction
+        if drive:
+            control = kd * q + cd * order * qn + ki * q_sum
+            a_q = (torque1 - ratio * torque2 - control) * inv_it
+            q_sum = q * inverse
+        a_psi = (load_k - force) * inv_me + psi_1 * (torque1 - control) + psi_2 * torque2
+        twice = inverse * _INVERSE[k + 1]
+        x1, x1n = x1n, (friction * inv_m1 - c1 * order * x1n - k1 * x1) * twice
+        y1, y1n = y1n, (force * inv_m1 - c1 * order * y1n - k1 * y1) * twice
+        x2, x2n = x2n, (-friction * inv_m2 - c2 * order * x2n - k2 * x2) * twice
+        y2, y2n = y2n, (-force * inv_m2 - c2 * order * y2n - k2 * y2) * twice
+        psi, psin = psin, a_psi * twice
+        q, qn = qn, a_q * twice
+        delta = delta_n
+        load_k, load_next = load_next, 0.0
+        force_o = rub_o = turn_o = 0.0
+    k = ROWS - 1
+    series[k, X1], series[k, Y1], series[k, X2], series[k, Y2] = x1, y1, x2, y2
+    series[k, PSI], series[k, Q], series[k, DELTA] = psi, q, delta
+
+
+@numba.njit(cache=True)
+def evaluate(series, t, value, slope):
+    """Fill `value` and `slope` with the columns of the series and their derivatives at time t."""
+    for j in range(COLUMNS):
+        value[j] = series[ROWS - 1, j]
+        slope[j] = 0.0
+    for k in range(ROWS - 2, -1, -1):
+        for j in range(COLUMNS):
+            slope[j] = slope[j] * t + value[j]
+            value[j] = value[j] * t + series[k, j]
+
+
+@numba.njit(cache=True)
+def advance_state(series, t, y, value, slope):
+    """Replace the state y at the beginning of the series by that at time t."""
+    integral = 0.0
+    for k in range(ROWS - 1, -1, -1):
+        integral = integral * t + series[k, Q] * _INVERSE[k]
+    evaluate(series, t, value, slope)
+    for j in range(6):
+        y[j], y[6 + j] = value[j], slope[j]
+    y[12] += integral * t
+
+
+@numba.njit(cache=True)
+def value_and_slope(g, t):
+    """Return the polynomial g and its derivative at t."""
+    value, slope = g[g.size - 1], 0.0
+    for k in range(g.size - 2, -1, -1):
+        slope = slope * t + value
+        value = value * t + g[k]
+    return value, slope
+
+
+@numba.njit(cache=True)
+def step_size(p, series, y):
+    """Return the step [s] whose local error meets the tolerance.
+
+    The last two orders of the velocities' series are held to atol + rtol |state|, each scaled by
+    b wn (b / rb for angles); positions are then better by a factor of the order. (Jorba and Zou,
+    2005, section 3.2.)
+    """
+    size = last = before = 0.0
+    turn = p.rb1
+    inv_wn = 1 / p.wn
+    for j in range(6):
+        scale = 1.0 if j < 5 else turn
+        size = max(size, scale * abs(y[j]), scale * inv_wn * abs(y[6 + j]))
+        last = max(last, scale * abs(series[ROWS - 1, j]))
+        before = max(before, scale * abs(series[ROWS - 2, j]))
+    tolerance = (p.atol * p.b + p.rtol * size) * p.wn
+    step = math.inf
+    if last > 0:
+        step = (tolerance / ((ROWS - 1) * last)) ** (1.0 / (ROWS - 2))
+    if before > 0:
+        step = min(step, (tolerance / ((ROWS - 2) * before)) ** (1.0 / (ROWS - 3)))
+    return step

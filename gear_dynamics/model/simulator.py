@@ -1,0 +1,344 @@
+"""A gear pair that runs: samples, events, commands."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any
+
+import numba
+import numpy as np
+
+from gear_dynamics.model import contact, mesh, stepper
+from gear_dynamics.model.band_limit import OVERSAMPLING, BandLimiter
+from gear_dynamics.model.columns import EVENTS, SAMPLES
+from gear_dynamics.model.constants import pack
+from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.motion import at_rest
+from gear_dynamics.model.parameter import ParameterError
+from gear_dynamics.model.run_settings import RunSettings
+
+_CHUNK = 8192
+
+
+class IntegrationError(RuntimeError):
+    """The integrator cannot go on; the message says where and why."""
+
+
+@numba.njit(cache=True)
+def _fill(
+    constants, clock, state, series, error, segment, work, point, events, zones, profiles, out
+):
+    return stepper.fill_samples(
+        constants[0],
+        clock[0],
+        zones,
+        profiles,
+        state[0],
+        series[0],
+        error[0],
+        segment[0],
+        work[0],
+        point[0],
+        events[0],
+        out,
+    )
+
+
+@numba.njit(cache=True)
+def _interrupt(
+    constants, clock, state, series, error, segment, work, point, events, zones, profiles
+):
+    status = stepper.run(
+        constants[0],
+        clock[0],
+        zones,
+        profiles,
+        state[0],
+        series[0],
+        error[0],
+        segment[0],
+        work[0],
+        point[0],
+        events[0],
+        clock[0].sample,
+    )
+    if status == stepper.DONE:
+        stepper.interrupt(constants[0], clock[0], state[0], series[0], point[0], events[0])
+    return status
+
+
+class Simulator:
+    """A gear pair under speed and torque commands.
+
+    Parameters
+    ----------
+    pair : GearPair
+    drive : bool
+        False runs the reduced form of docs/model.md.
+    profiles : array of mesh.PROFILES, optional
+        Flanks that depart from the healthy ones.
+    **values
+        Fields of `RunSettings` by name: sample_rate, speed, load_torque, speed_rate_limit,
+        torque_rate_limit, anti_alias, rtol, atol, section_phase.
+
+    Raises
+    ------
+    ParameterError
+        If a value is out of its range.
+    """
+
+    def __init__(
+        self,
+        pair: GearPair,
+        *,
+        drive: bool = True,
+        profiles: np.ndarray | None = None,
+        **values: Any,
+    ) -> None:
+        self.pair = pair
+        self.settings = RunSettings(**values)
+        self._drive, self._profiles = drive, profiles
+        self._limiter = BandLimiter() if self.settings.anti_alias else None
+        self._oversampling = OVERSAMPLING if self._limiter else 1
+        self.reset()
+
+    @property
+    def sample_rate(self) -> float:
+        """Samples per second of model time [Hz]."""
+        return self.settings.sample_rate
+
+    def reset(self) -> None:
+        """Go back to t = 0, in the static deflection of the present commands."""
+        self._motion = at_rest(
+            [self.pair], [self.settings], self._oversampling, self._drive, self._profiles
+        )
+        self._held_events: list[np.ndarray] = []
+        self.samples_done = 0
+        if self._limiter:
+            first = self._integrate(1)
+            self._limiter.start(first)
+            self._limiter.feed(first)
+
+    def advance(self, n: int) -> np.ndarray:
+        """Return the next n samples, an (n,) array of SAMPLES; t is since the start of the run.
+
+        Raises
+        ------
+        IntegrationError
+            If the step size falls through its floor or the motion is no longer finite.
+        """
+        if self._limiter is None:
+            samples = self._integrate(n)
+        else:
+            samples = self._advance_band_limited(n)
+        self.samples_done += n
+        return samples
+
+    def _advance_band_limited(self, n: int) -> np.ndarray:
+        assert self._limiter is not None
+        parts, have = [], 0
+        while have < n:
+            ahead = self._limiter.missing + OVERSAMPLING * (min(n - have, _CHUNK) - 1)
+            parts.append(self._limiter.feed(self._integrate(ahead)))
+            have += len(parts[-1])
+        samples = parts[0] if len(parts) == 1 else np.concatenate(parts)
+        return samples
+
+    def _integrate(self, n: int) -> np.ndarray:
+        out = np.zeros(n, SAMPLES)
+        filled = 0
+        while filled < n:
+            count, status = _fill(*self._motion, out[filled:])
+            filled += count
+            self._check(status)
+        return out
+
+    def _check(self, status: int) -> None:
+        clock = self._motion.clock[0]
+        if status == stepper.EVENTS_FULL:
+            self._hold_events()
+        elif status != stepper.DONE:
+            time = clock['origin'] / clock['sample_rate'] + clock['begin']
+            what = (
+                'the step size fell through its floor'
+                if status == stepper.STUCK
+                else 'the motion is no longer finite'
+            )
+            raise IntegrationError(
+                f'the integrator stopped at t = {time:.9g} s: {what}; loosen rtol '
+                f'({self.settings.rtol:g}) or check the parameters'
+            )
+
+    def _hold_events(self) -> None:
+        clock = self._motion.clock[0]
+        if clock['events']:
+            self._held_events.append(self._motion.events[0, : clock['events']].copy())
+            clock['events'] = 0
+
+    def take_events(self) -> np.ndarray:
+        """Return the events within the time of the samples handed out since the last call.
+
+        Returns
+        -------
+        (m,) array of EVENTS
+            In order of time; t is since the start of the run.
+        """
+        self._hold_events()
+        if not self._held_events:
+            return np.zeros(0, EVENTS)
+        events = np.concatenate(self._held_events)
+        due = int(np.searchsorted(events['t'], self.samples_done / self.sample_rate))
+        self._held_events = [events[due:]] if due < len(events) else []
+        return events[:due]
+
+    def command(self, *, speed: float | None = None, load_torque: float | None = None) -> None:
+        """Set new targets, which are approached at the rate limits from the next sample on.
+
+        The band-limited stream is integrated `band_limit.DELAY` samples ahead of what it hands
+        out; a command takes effect there.
+
+        Raises
+        ------
+        ParameterError
+            If a value is out of its range.
+        """
+        given = {'speed': speed, 'load_torque': load_torque}
+        self._set({name: value for name, value in given.items() if value is not None})
+
+    def _set(self, values: dict[str, float]) -> None:
+        self.settings = dataclasses.replace(self.settings, **values)
+        self._interrupt()
+        clock = self._motion.clock[0]
+        clock['speed_target'], clock['torque_target'] = (
+            self.settings.speed,
+            self.settings.load_torque,
+        )
+        clock['speed_limit'] = self.settings.speed_rate_limit
+        clock['torque_limit'] = self.settings.torque_rate_limit
+        self._approach('speed', 'accel', 'speed_target', 'speed_limit', 'speed_reached')
+        self._approach('torque', 'torque_rate', 'torque_target', 'torque_limit', 'torque_reached')
+
+    def _approach(self, value: str, rate: str, target: str, limit: str, reached: str) -> None:
+        clock = self._motion.clock[0]
+        missing = float(clock[target] - clock[value])
+        if missing == 0:
+            clock[rate], clock[reached] = 0.0, math.inf
+        else:
+            clock[rate] = math.copysign(clock[limit], missing)
+            clock[reached] = clock['begin'] + abs(missing) / clock[limit]
+
+    def change(
+        self,
+        *,
+        pair: GearPair | None = None,
+        speed_rate_limit: float | None = None,
+        torque_rate_limit: float | None = None,
+    ) -> None:
+        """Change parameters from the next sample on; positions, velocities and phase go on.
+
+        Raises
+        ------
+        ValueError
+            If `pair` changes a parameter that cannot change while running, or a value is out of
+            its range.
+        """
+        if pair is not None:
+            self._refuse_fixed(pair)
+            self._interrupt()
+            self.pair = pair
+            self._repack()
+        given = {'speed_rate_limit': speed_rate_limit, 'torque_rate_limit': torque_rate_limit}
+        self._set({name: value for name, value in given.items() if value is not None})
+
+    def _refuse_fixed(self, pair: GearPair) -> None:
+        for about in pair.parameters():
+            if not about.live and getattr(pair, about.name) != getattr(self.pair, about.name):
+                raise ValueError(f'{about.name} cannot change while running')
+
+    def _repack(self) -> None:
+        """Put changed parameters into the motion, which goes on from the same state."""
+        packed = pack(self.pair, self.settings.rtol, self.settings.atol, self._drive)
+        zones = mesh.zones(self.pair, self._profiles)
+        self._motion = self._motion._replace(constants=packed, zones=zones)
+        clock, y, p = self._motion.clock[0], self._motion.state[0], packed[0]
+        clock['zone'] = np.searchsorted(zones['begin'], clock['phase'], side='right') - 1
+        angle = 2 * math.pi * clock['phase'] + p['phi0']
+        error = p['e_a'] * math.sin(angle)
+        error_dot = p['e_a'] * math.cos(angle) * p['z1'] * clock['speed']
+        delta, delta_dot = y[3] - y[1] + y[4] - error, y[9] - y[7] + y[10] - error_dot
+        clock['contact_a'] = clock['contact_b'] = contact.contact_state(delta, delta_dot, p['b'])
+
+    def _interrupt(self) -> None:
+        status = stepper.EVENTS_FULL
+        while status == stepper.EVENTS_FULL:
+            self._hold_events()
+            status = _interrupt(*self._motion)
+            self._check(status)
+
+    @property
+    def counters(self) -> dict[str, int | float]:
+        """Counts since the start: steps, rejected_steps, contact_losses, back_flank_impacts.
+
+        contact_losses counts when the last pair in contact loses it; smallest_step is in seconds.
+        """
+        clock = self._motion.clock[0]
+        names = ('steps', 'rejected_steps', 'contact_losses', 'back_flank_impacts')
+        counts: dict[str, int | float] = {name: int(clock[name]) for name in names}
+        smallest = float(clock['smallest_step'])
+        counts['smallest_step'] = smallest if math.isfinite(smallest) else 0.0
+        return counts
+
+
+def simulate(
+    pair: GearPair,
+    duration: float = 1.0,
+    sample_rate: float = 51200.0,
+    speed: float = 104.72,
+    load_torque: float = 150.0,
+    *,
+    anti_alias: bool = False,
+    rtol: float = 1e-6,
+    atol: float = 1e-9,
+) -> np.ndarray:
+    """Run a gear pair from rest at constant commands.
+
+    Parameters
+    ----------
+    pair : GearPair
+    duration : float
+        Model time [s].
+    sample_rate : float
+        Samples per second [Hz].
+    speed : float
+        Pinion speed [rad/s].
+    load_torque : float
+        On the gear [N m].
+    anti_alias : bool
+        Band-limit the samples; the default gives the raw values.
+    rtol, atol : float
+        Tolerances of the integrator.
+
+    Returns
+    -------
+    (round(duration * sample_rate),) array of SAMPLES
+
+    Raises
+    ------
+    ParameterError
+        If an argument is out of its range.
+    IntegrationError
+        If the integrator cannot go on.
+    """
+    if not (math.isfinite(duration) and duration > 0):
+        raise ParameterError(f'duration is {duration!r}: it must be a positive number of seconds')
+    simulator = Simulator(
+        pair,
+        sample_rate=sample_rate,
+        speed=speed,
+        load_torque=load_torque,
+        anti_alias=anti_alias,
+        rtol=rtol,
+        atol=atol,
+    )
+    return simulator.advance(round(duration * sample_rate))

@@ -1,0 +1,330 @@
+"""The stepper: Taylor steps that end exactly at events, and samples off their dense output."""
+
+from __future__ import annotations
+
+import math
+
+import numba
+
+from gear_dynamics.model.contact import GAP, contact_state, first_change
+from gear_dynamics.model.output import write_sample
+from gear_dynamics.model.segment import fill_segment
+from gear_dynamics.model.series import (
+    DELTA,
+    SEG_ERROR,
+    WIDTH,
+    advance_state,
+    expand,
+    step_size,
+    transmission_error,
+    value_and_slope,
+)
+
+# Why a step ends.
+CONTROL, MESH, COMMAND, CONTACT = 0, 1, 2, 3
+
+# What `run` returns.
+DONE, EVENTS_FULL, STUCK, NOT_FINITE = 0, 1, 2, 3
+
+LONGEST_STEP = 0.05
+"""The longest step [s]; only a pair at rest comes near it."""
+
+_TINY = 1e-9
+_MANY = 10000
+_EVENTS_PER_STEP = 4
+
+
+@numba.njit(cache=True)
+def _phase_at(p, clock, t):
+    """Return the mesh phase at time t in cycles since the beginning of the present cycle."""
+    since = t - clock.anchor
+    turned = since * (clock.anchor_speed + 0.5 * clock.accel * since)
+    return clock.anchor_phase - (clock.cycle - clock.anchor_cycle) + p.z1 / (2 * math.pi) * turned
+
+
+@numba.njit(cache=True)
+def _time_of(p, clock, phase):
+    """Return when the mesh phase (in the present cycle) is reached, or inf if it never is."""
+    ahead = phase + (clock.cycle - clock.anchor_cycle) - clock.anchor_phase
+    turn = 2 * math.pi / p.z1 * ahead
+    root = clock.anchor_speed**2 + 2 * clock.accel * turn
+    if root < 0:
+        return math.inf
+    speed = clock.anchor_speed + math.sqrt(root)
+    if speed <= 0:
+        return math.inf
+    return clock.anchor + 2 * turn / speed
+
+
+@numba.njit(cache=True)
+def _set_anchor(clock):
+    clock.anchor, clock.anchor_phase = clock.begin, clock.phase
+    clock.anchor_cycle, clock.anchor_speed = clock.cycle, clock.speed
+
+
+@numba.njit(cache=True)
+def _move_origin(clock):
+    """Count time from a later sample, so that it keeps its precision."""
+    whole = math.floor(clock.begin * clock.sample_rate)
+    shift = whole / clock.sample_rate
+    clock.origin += int(whole)
+    clock.begin -= shift
+    clock.speed_reached -= shift
+    clock.torque_reached -= shift
+    _set_anchor(clock)
+
+
+@numba.njit(cache=True)
+def _emit(clock, events, tau, kind, pair, delta, delta_dot, phase):
+    row = events[clock.events]
+    row.t = clock.origin / clock.sample_rate + (clock.begin + tau)
+    row.kind = kind
+    row.tooth_pair = pair
+    row.delta = delta
+    row.delta_dot = delta_dot
+    row.cycle = clock.cycle + phase
+    clock.events += 1
+
+
+@numba.njit(cache=True)
+def _pass_section(p, clock, series, until, wraps, events):
+    """Emit the section state if the section phase is passed before `until` [s into the step]."""
+    if clock.section_cycle > clock.cycle:
+        return
+    tau = _time_of(p, clock, clock.section_phase) - clock.begin
+    if tau < until or wraps:
+        tau = min(max(tau, 0.0), until)
+        delta, delta_dot = value_and_slope(series[:, DELTA], tau)
+        pair = clock.cycle % p.hunting
+        _emit(clock, events, tau, 0, pair, delta, delta_dot, clock.section_phase)
+        clock.section_cycle = clock.cycle + 1
+
+
+@numba.njit(cache=True)
+def _flank_event(before, after):
+    """Return the `EventKind` of a change of contact state."""
+    if after == GAP:
+        return 1 if before > 0 else 3
+    return 2 if after > 0 else 4
+
+
+@numba.njit(cache=True)
+def _change_contact(p, clock, zone, series, segment, events):
+    """Give the pairs the contact states after the step, with an event for each that changed."""
+    held = clock.contact_a != GAP or (zone.pairs == 2 and clock.contact_b != GAP)
+    impact = False
+    phase = _phase_at(p, clock, clock.begin + clock.length)
+    for ahead in range(zone.pairs):
+        before = clock.contact_a if ahead == 0 else clock.contact_b
+        after = clock.next_a if ahead == 0 else clock.next_b
+        if before == after:
+            continue
+        kind = _flank_event(before, after)
+        impact = impact or kind == 4
+        delta, delta_dot = value_and_slope(series[:, DELTA], clock.length)
+        error, error_dot = value_and_slope(segment[SEG_ERROR + ahead], clock.length)
+        pair = (clock.cycle - ahead) % p.hunting
+        _emit(clock, events, clock.length, kind, pair, delta - error, delta_dot - error_dot, phase)
+    clock.contact_a, clock.contact_b = clock.next_a, clock.next_b
+    holds = clock.contact_a != GAP or (zone.pairs == 2 and clock.contact_b != GAP)
+    if held and not holds:
+        clock.contact_losses += 1
+    if impact:
+        clock.back_flank_impacts += 1
+
+
+@numba.njit(cache=True)
+def _enter_zone(p, clock, zones, profiles):
+    """Go on to the next zone of the mesh, where another tooth pair may enter."""
+    clock.zone += 1
+    if clock.zone < zones.size:
+        clock.phase = zones[clock.zone].begin
+        return False
+    clock.zone = 0
+    clock.phase = 0.0
+    clock.cycle += 1
+    clock.contact_b = clock.contact_a
+    return profiles.size > 0
+
+
+@numba.njit(cache=True)
+def _end_step(p, clock, zones, profiles, y, series, segment, point, events):
+    """Put the state at the end of the present step, and do what happens there."""
+    clock.steps += 1
+    wraps = clock.ending == MESH and clock.zone == zones.size - 1
+    _pass_section(p, clock, series, clock.length, wraps, events)
+    advance_state(series, clock.length, y, point[0], point[1])
+    if clock.ending == CONTACT:
+        _change_contact(p, clock, zones[clock.zone], series, segment, events)
+    end = clock.begin + clock.length
+    clock.phase = _phase_at(p, clock, end)
+    clock.speed = clock.anchor_speed + clock.accel * (end - clock.anchor)
+    clock.torque += clock.torque_rate * clock.length
+    clock.begin = end
+    enters = False
+    if clock.ending == MESH:
+        enters = _enter_zone(p, clock, zones, profiles)
+    elif clock.ending == COMMAND:
+        if end >= clock.speed_reached:
+            clock.speed, clock.accel = clock.speed_target, 0.0
+            clock.speed_reached = math.inf
+            _set_anchor(clock)
+        if end >= clock.torque_reached:
+            clock.torque, clock.torque_rate = clock.torque_target, 0.0
+            clock.torque_reached = math.inf
+    return enters
+
+
+@numba.njit(cache=True)
+def _pair_series(series, segment, ahead, g):
+    """Fill g with the series of the pair's own relative displacement delta_i."""
+    for k in range(g.size):
+        g[k] = series[k, DELTA]
+        if k < WIDTH:
+            g[k] -= segment[SEG_ERROR + ahead, k]
+
+
+@numba.njit(cache=True)
+def _find_contact_change(p, clock, zone, profiles, series, error, segment, work):
+    """Cut the present step at the first change of contact."""
+    clock.next_a, clock.next_b = clock.contact_a, clock.contact_b
+    g = error[1]
+    _pair_series(series, segment, 0, g)
+    t_a, next_a = first_change(g, clock.length, clock.contact_a, p.b, work)
+    t_b, next_b = t_a, next_a
+    if profiles.size > 0 and zone.pairs == 2:
+        g = error[2]
+        _pair_series(series, segment, 1, g)
+        t_b, next_b = first_change(g, clock.length, clock.contact_b, p.b, work)
+    first = min(t_a, t_b)
+    if first == math.inf:
+        return
+    clock.length, clock.ending = first, CONTACT
+    if t_a == first:
+        clock.next_a = next_a
+    if t_b == first:
+        clock.next_b = next_b
+
+
+@numba.njit(cache=True)
+def _choose_length(p, clock, zones, series, y):
+    """Set how far the present step goes, and why it ends there."""
+    clock.length, clock.ending = min(step_size(p, series, y), LONGEST_STEP), CONTROL
+    smallest = 1e-12 / p.wn
+    if clock.length < smallest:
+        clock.tiny_steps = _MANY
+    to_mesh = max(_time_of(p, clock, zones[clock.zone].end) - clock.begin, 0.0)
+    if to_mesh <= clock.length:
+        clock.length, clock.ending = to_mesh, MESH
+    to_command = min(clock.speed_reached, clock.torque_reached) - clock.begin
+    if to_command < clock.length:
+        clock.length, clock.ending = max(to_command, 0.0), COMMAND
+
+
+@numba.njit(cache=True)
+def begin_step(p, clock, zones, profiles, y, series, error, segment, work, entered):
+    """Expand the motion about the present state and choose the step."""
+    if clock.begin > 1.0:
+        _move_origin(clock)
+    zone = zones[clock.zone]
+    clock.degree = fill_segment(p, clock, zone, profiles, segment)
+    transmission_error(p, clock.phase, clock.speed, clock.accel, error[0])
+    if entered:
+        delta = y[3] - y[1] + y[4] - error[0, 0] - segment[SEG_ERROR, 0]
+        slope = y[9] - y[7] + y[10] - error[0, 1] - segment[SEG_ERROR, 1]
+        clock.contact_a = contact_state(delta, slope, p.b)
+        clock.degree = fill_segment(p, clock, zone, profiles, segment)
+    turn = p.pitch * p.z1 / (2 * math.pi)
+    ratio_inertia = p.ratio * p.inertia2
+    expand(
+        p,
+        y,
+        error[0],
+        segment,
+        clock.degree,
+        turn * clock.speed,
+        0.5 * turn * clock.accel,
+        clock.torque + ratio_inertia * clock.accel,
+        clock.torque_rate,
+        series,
+    )
+    _choose_length(p, clock, zones, series, y)
+    _find_contact_change(p, clock, zone, profiles, series, error, segment, work)
+    if clock.length < _TINY / p.wn:
+        clock.tiny_steps += 1
+    else:
+        clock.tiny_steps = 0
+    if clock.length > 0:
+        clock.smallest_step = min(clock.smallest_step, clock.length)
+
+
+@numba.njit(cache=True)
+def _time_of_sample(clock, sample):
+    return (sample - clock.origin) / clock.sample_rate
+
+
+@numba.njit(cache=True)
+def run(p, clock, zones, profiles, y, series, error, segment, work, point, events, sample):
+    """Step until the present step spans the instant of a sample.
+
+    Returns DONE, EVENTS_FULL (empty the events and call again), STUCK or NOT_FINITE.
+    """
+    entered = False
+    while True:
+        if clock.length < 0:
+            begin_step(p, clock, zones, profiles, y, series, error, segment, work, entered)
+            if clock.tiny_steps >= _MANY:
+                return STUCK
+            if not math.isfinite(series[1, DELTA] + clock.length):
+                return NOT_FINITE
+        if _time_of_sample(clock, sample) < clock.begin + clock.length:
+            return DONE
+        if clock.events > events.size - _EVENTS_PER_STEP:
+            return EVENTS_FULL
+        entered = _end_step(p, clock, zones, profiles, y, series, segment, point, events)
+        clock.length = -1.0
+
+
+@numba.njit(cache=True)
+def interrupt(p, clock, y, series, point, events):
+    """End the present step at the instant of the next sample, so that commands may change there.
+
+    `run` must have reached that sample.
+    """
+    tau = max(_time_of_sample(clock, clock.sample) - clock.begin, 0.0)
+    _pass_section(p, clock, series, tau, False, events)
+    advance_state(series, tau, y, point[0], point[1])
+    end = clock.begin + tau
+    clock.phase = _phase_at(p, clock, end)
+    clock.speed = clock.anchor_speed + clock.accel * (end - clock.anchor)
+    clock.torque += clock.torque_rate * tau
+    clock.begin = end
+    clock.length = -1.0
+    _set_anchor(clock)
+
+
+@numba.njit(cache=True)
+def fill_samples(p, clock, zones, profiles, y, series, error, segment, work, point, events, out):
+    """Fill the rows of `out` (SAMPLES) with the next samples; return their number and a status."""
+    for i in range(out.size):
+        if clock.length < 0 or _time_of_sample(clock, clock.sample) >= clock.begin + clock.length:
+            status = run(
+                p,
+                clock,
+                zones,
+                profiles,
+                y,
+                series,
+                error,
+                segment,
+                work,
+                point,
+                events,
+                clock.sample,
+            )
+            if status != DONE:
+                return i, status
+        tau = _time_of_sample(clock, clock.sample) - clock.begin
+        write_sample(p, clock, series, segment, point, tau, out[i])
+        clock.sample += 1
+    return out.size, DONE
