@@ -109,9 +109,9 @@ def iter_rows(
             reason = f'a message of {name} at log time {message.log_time} ns is skipped: {error}'
             log.on_damage(Damage(source.path, message.offset, reason))
             continue
-        if start is not None:
+        if start is not None and rows['t'].min(initial=np.inf) < start:
             rows = rows[rows['t'] >= start]
-        if end is not None:
+        if end is not None and rows['t'].max(initial=-np.inf) >= end:
             rows = rows[rows['t'] < end]
         if len(rows):
             yield repack_fields(rows[list(columns or ())]) if hidden else rows
@@ -165,9 +165,11 @@ def read_log(
         for block in blocks:
             if block.dtype != rows.dtype:
                 rows = _widen(rows, block.dtype, topic)
+                block = block.astype(rows.dtype)
             if filled + len(block) > len(rows):
                 rows.resize(max(2 * len(rows), filled + len(block)), refcheck=False)
-            rows[filled : filled + len(block)] = block
+            # As plain bytes: NumPy copies structured rows field by field, four times slower.
+            _bytes(rows[filled : filled + len(block)])[:] = _bytes(block)
             filled += len(block)
         rows.resize(filled, refcheck=False)
         return rows
@@ -185,6 +187,10 @@ def _expected_rows(log: Log, name: str, block: int, start: float | None, end: fl
             if channel.topic == name:
                 messages += source.summary.statistics.channel_message_counts.get(number, 0)
     return messages * block
+
+
+def _bytes(rows: np.ndarray) -> np.ndarray:
+    return rows.view(np.dtype((np.void, rows.dtype.itemsize)))
 
 
 def _widen(rows: np.ndarray, dtype: np.dtype, topic: str) -> np.ndarray:
