@@ -48,8 +48,8 @@ def resample_by_phase(x: np.ndarray, phase: np.ndarray, points: int) -> tuple[in
     """Return x at equal steps of the phase, `points` a cycle.
 
     The instants are interpolated linearly in the phase, which a steady acceleration a [cycles/s2]
-    moves by at most a / (8 rate^2) cycles; x comes from its quintic spline, in error by about
-    2 (f / (rate - f))^6 for a tone of frequency f. There is no low-pass filter: with fewer points
+    moves by at most a / (8 rate^2) cycles; x comes from its quintic spline, in error by less than
+    4 (f / (rate - f))^6 for a tone of frequency f. There is no low-pass filter: with fewer points
     than samples in a cycle, what lies above points / 2 orders folds back.
 
     Parameters
