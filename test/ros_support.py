@@ -55,7 +55,7 @@ def wait_until(condition, timeout=30.0, what='the condition'):
 
 
 class Process:
-    """A Python module run by this interpreter from the source tree; killed when the test ends.
+    """A Python module or script run by this interpreter from the source tree; killed at the end.
 
     `parameters` and `arguments` are ROS parameters and further ROS arguments.
     """
@@ -64,8 +64,9 @@ class Process:
         self._output = tempfile.TemporaryFile()  # noqa: SIM115  (closed in __exit__)
         given = [f'{name}:={_text(value)}' for name, value in (parameters or {}).items()]
         ros = ['--ros-args', *(part for each in given for part in ('-p', each)), *arguments]
+        what = [module] if module.endswith('.py') else ['-m', module]
         self._process = subprocess.Popen(
-            [sys.executable, '-m', module, *command, *ros],
+            [sys.executable, *what, *command, *ros],
             cwd=ROOT,
             env=environment(domain),
             stdout=self._output,

@@ -1,0 +1,68 @@
+"""Wrong input at the start: one line and exit code 2."""
+
+import pytest
+import ros_support
+
+CASES = [
+    (['-p', 'speed:=6000.0'], ['speed', '6000', '0 to 5000 rad/s']),
+    (['-p', 'sped:=60.0'], ['sped', 'nearest name is speed']),
+    (['-p', 'gear_teeth:=59.5'], ['gear_teeth', '59.5', 'integer']),
+    (['-p', 'pinion_teeth:=10'], ['10/59 teeth', 'interfere']),
+    (['-p', 'monitor_rate:=3000'], ['monitor_rate', '3000', 'divide']),
+    (['--params-file', 'none.yaml'], ['none.yaml', 'cannot be read']),
+    (['--params-file', '{malformed}'], ['malformed.yaml', 'not YAML']),
+    (['--params-file', '{unknown}'], ['unknown.yaml', 'half_backlsh', 'half_backlash']),
+    (['-p', 'speed'], ['speed']),
+    (['--no-such-option'], ['--no-such-option']),
+]
+
+
+def test_wrong_input_at_the_start_gives_a_line_and_exit_code_2(domain, tmp_path):
+    files = {'malformed': 'gear_sim: [', 'unknown': '/**: {ros__parameters: {half_backlsh: 1e-4}}'}
+    for name, text in files.items():
+        (tmp_path / f'{name}.yaml').write_text(text)
+    paths = {name: tmp_path / f'{name}.yaml' for name in files}
+    for arguments, words in CASES:
+        given = [each.format(**paths) for each in arguments]
+        with ros_support.Process('gear_dynamics.nodes.sim', domain, arguments=given) as sim:
+            assert sim.wait(60) == 2, given
+            # rcl logs a line of its own about arguments that it cannot parse.
+            lines = [line for line in sim.output.splitlines() if '[rcl]' not in line]
+            assert len(lines) == 1, sim.output
+            assert lines[0].startswith('gear_sim: ')
+            assert all(word in lines[0] for word in words), lines[0]
+
+
+def test_argument_that_is_not_for_ros_is_refused(domain):
+    with ros_support.Process('gear_dynamics.nodes.sim', domain, command=['fast']) as sim:
+        assert sim.wait(60) == 2
+        assert 'fast is not an argument' in sim.output
+
+
+def test_help_lists_the_parameters(domain):
+    with ros_support.Process('gear_dynamics.nodes.sim', domain, command=['--help']) as sim:
+        assert sim.wait(60) == 0
+        assert 'real_time_factor (default 1.0)' in sim.output
+        assert 'half_backlash (default 0.00015)' in sim.output
+
+
+def test_a_parameter_file_sets_the_rig(domain, client, tmp_path):
+    from rclpy.qos import DurabilityPolicy, QoSProfile
+    from std_msgs.msg import String
+
+    from gear_dynamics.configuration import Rig
+
+    path = tmp_path / 'rig.yaml'
+    path.write_text('/**: {ros__parameters: {pinion_teeth: 30, half_backlash: 1e-4, speed: 50}}')
+    latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    texts = client.collect(String, 'rig/gear_pair/configuration', latched)
+    arguments = ['--params-file', str(path), '-r', '__ns:=/rig']
+    with ros_support.Process('gear_dynamics.nodes.sim', domain, arguments=arguments) as sim:
+        ros_support.wait_until(lambda: texts, 120, 'the configuration')
+        rig = Rig.from_text(texts[0].data)
+        assert (rig.pinion_teeth, rig.half_backlash, rig.section_phase) == (30, 1e-4, 0.5)
+        (result,) = client.set_parameters('rig/gear_sim', half_backlash=2e-4)
+        assert result.successful
+        ros_support.wait_until(lambda: len(texts) > 1, 10, 'the changed configuration')
+        assert Rig.from_text(texts[1].data).half_backlash == pytest.approx(2e-4)
+        assert sim.stop() == 0
