@@ -149,15 +149,7 @@ class ParameterSet:
     def parameters(cls) -> tuple[Parameter, ...]:
         """Return the list, in the order of declaration."""
         return tuple(
-            Parameter(
-                name=field.name,
-                default=(
-                    field.default_factory()
-                    if field.default_factory is not dataclasses.MISSING
-                    else field.default
-                ),
-                **field.metadata,
-            )
+            Parameter(name=field.name, default=_default(field), **field.metadata)
             for field in dataclasses.fields(cls)
         )
 
@@ -170,3 +162,9 @@ class ParameterSet:
     def to_mapping(self) -> dict[str, Value]:
         """Return names and values, in the order of declaration."""
         return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
+
+
+def _default(field: dataclasses.Field[Any]) -> Any:
+    if field.default_factory is not dataclasses.MISSING:
+        return field.default_factory()
+    return field.default

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from types import TracebackType
 
 import rclpy
@@ -18,10 +19,13 @@ class Remote:
     ----------
     blocks : int
         Blocks heard so far.
+    heard : float
+        When the last one was heard, by a steady clock [s].
     """
 
     def __init__(self) -> None:
         self.blocks = 0
+        self.heard = 0.0
         self._context = rclpy.Context()
         rclpy.init(args=[], context=self._context, signal_handler_options=SignalHandlerOptions.NO)
         self._node = rclpy.create_node('gear_remote', context=self._context)
@@ -60,3 +64,4 @@ class Remote:
 
     def _on_block(self, data: bytes) -> None:
         self.blocks += 1
+        self.heard = time.monotonic()

@@ -1,0 +1,201 @@
+"""The demo: a gear pair streams, an analyzer listens and logs, and a picture comes out.
+
+Run by `make demo`, or `python -m gear_dynamics.demo`; everything it makes is put in demo/.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, NamedTuple
+
+from tqdm import tqdm
+
+from gear_dynamics.bag.source import LogError
+from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.settings import SimSettings
+
+if TYPE_CHECKING:
+    from gear_dynamics.nodes.remote import Remote
+
+FOLDER = Path('demo')
+DURATION = 15.0
+"""How long it streams [s]; the speed changes in the middle."""
+
+SECOND_SPEED = 534.07
+"""Pinion speed of the second half [rad/s]: 5100 rpm, at which the teeth rattle chaotically."""
+
+PATIENCE = 300.0
+"""How long the first start may take [s]: it compiles the model."""
+
+CLOSING = 8.0
+"""How long a process may take to close [s]."""
+
+BAR = '{desc}: {percentage:3.0f} %|{bar}| {n:.0f} of {total:.0f} s'
+
+
+class DemoError(Exception):
+    """The demo cannot go on; the message is the one line that the user sees."""
+
+
+class Streamed(NamedTuple):
+    """What was heard while it streamed."""
+
+    blocks: int
+    real_time_factor: float
+
+
+def main() -> int:
+    """Run the demo and return its exit code."""
+    try:
+        FOLDER.mkdir(exist_ok=True)
+        earlier = set(FOLDER.glob('gear_log_*'))
+        streamed = stream(FOLDER, DURATION)
+        logs = set(FOLDER.glob('gear_log_*')) - earlier
+        if not logs:
+            raise DemoError(f'the analyzer wrote no log; {FOLDER}/analyzer.txt says why')
+        _report(logs.pop(), streamed)
+    except KeyboardInterrupt:
+        print(f'\nStopped. What was logged so far is in {FOLDER}/.', file=sys.stderr)
+        return 130
+    except (DemoError, LogError, OSError) as error:
+        print(f'demo: {error}', file=sys.stderr)
+        return 1
+    return 0
+
+
+def _report(log: Path, streamed: Streamed) -> None:
+    # Imported now: loading SciPy and Matplotlib must not delay the start.
+    from gear_dynamics.demo_figure import draw
+    from gear_dynamics.demo_report import read_halves
+
+    pair, settings, picture = GearPair(), SimSettings(), FOLDER / 'gear_dynamics.png'
+    halves, gaps = read_halves(log, pair.pinion_teeth)
+    teeth = f'{pair.pinion_teeth}/{pair.gear_teeth}'
+    draw(
+        picture,
+        halves,
+        f'A spur gear pair of {teeth} teeth under {settings.load_torque:g} N m, '
+        f'streamed at {settings.sample_rate:g} samples/s',
+    )
+    print(
+        f'\nStreamed {streamed.blocks} blocks of {settings.block_size} samples in {DURATION:g} s, '
+        f'at {streamed.real_time_factor:.3f} times real time.\n'
+        f'The log has {gaps or "no"} gap{"" if gaps == 1 else "s"}.'
+    )
+    for half in halves:
+        print(
+            f'At {half.rpm:.0f} rpm the teeth mesh {half.expected:.1f} times a second; '
+            f'the spectrum shows {half.found:.1f} Hz.'
+        )
+    print(f'Log:     {log}\nPicture: {picture}')
+
+
+def stream(folder: Path, duration: float) -> Streamed:
+    """Run sim and analyzer as two processes, and change the speed half way.
+
+    Parameters
+    ----------
+    folder : Path
+        Where the log and what the processes say go.
+    duration : float
+        How long to stream [s].
+
+    Raises
+    ------
+    DemoError
+        If ROS is missing, or a process ends or does not begin to stream.
+    """
+    # A domain of its own on this machine alone, so that it meets no other system.
+    os.environ['ROS_DOMAIN_ID'] = str(1 + os.getpid() % 101)
+    os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
+    try:
+        from gear_dynamics.nodes.remote import Remote
+    except ModuleNotFoundError as error:
+        raise DemoError(f'{error.name} is missing; make demo installs what is needed') from None
+    sim = Child('sim', folder, {})
+    analyzer = Child('analyzer', folder, {'log_directory': folder})
+    with sim, analyzer, Remote() as rig:
+        children = (sim, analyzer)
+        _wait_for_stream(rig, children)
+        return _drive(rig, children, duration)
+
+
+def _wait_for_stream(rig: Remote, children: tuple[Child, ...]) -> None:
+    print('Starting sim and analyzer. The first time, they compile the model for this machine.')
+    start = time.monotonic()
+    with tqdm(desc='starting', bar_format='{desc}: {elapsed}') as bar:
+        while not (rig.blocks and rig.analyzer_listens):
+            rig.listen(0.1)
+            bar.update()
+            _check(children)
+            if time.monotonic() - start > PATIENCE:
+                raise DemoError(f'nothing was streamed within {PATIENCE:.0f} s')
+
+
+def _drive(rig: Remote, children: tuple[Child, ...], duration: float) -> Streamed:
+    before, since = rig.blocks, rig.heard
+    start, changed = time.monotonic(), False
+    with tqdm(desc='streaming', total=duration, unit='s', bar_format=BAR) as bar:
+        while bar.n < duration:
+            rig.listen(0.05)
+            bar.update(min(time.monotonic() - start, duration) - bar.n)
+            _check(children)
+            if bar.n > duration / 2 and not changed:
+                rig.set_speed(SECOND_SPEED)
+                changed = True
+    blocks, settings = rig.blocks - before, SimSettings()
+    streamed = blocks * settings.block_size / settings.sample_rate
+    return Streamed(blocks, streamed / (rig.heard - since))
+
+
+def _check(children: tuple[Child, ...]) -> None:
+    for child in children:
+        child.check()
+
+
+class Child:
+    """An executable of this package in a process of its own; ended when the context is left."""
+
+    def __init__(self, name: str, folder: Path, parameters: dict[str, object]) -> None:
+        self._name = name
+        self._said = folder / f'{name}.txt'
+        given = [part for item in parameters.items() for part in ('-p', '{}:={}'.format(*item))]
+        self._command = [sys.executable, '-m', f'gear_dynamics.nodes.{name}']
+        self._command += ['--ros-args', *given] if given else []
+
+    def __enter__(self) -> Child:
+        with self._said.open('w') as said:
+            self._process = subprocess.Popen(self._command, stdout=said, stderr=subprocess.STDOUT)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._process.send_signal(signal.SIGINT)
+        try:
+            self._process.wait(CLOSING)
+        except subprocess.TimeoutExpired:
+            print(f'demo: {self._name} did not close and was ended', file=sys.stderr)
+        finally:
+            self._process.kill()
+
+    def check(self) -> None:
+        """Raise a `DemoError` with the last thing that the process said if it has ended."""
+        code = self._process.poll()
+        if code is not None:
+            said = self._said.read_text(errors='replace').strip().splitlines()
+            last = said[-1] if said else 'it said nothing'
+            raise DemoError(f'{self._name} ended with exit code {code}: {last}')
+
+
+if __name__ == '__main__':
+    sys.exit(main())

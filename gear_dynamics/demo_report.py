@@ -1,0 +1,116 @@
+"""What the demo tells: read out of the log, in plain words and as a picture."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from scipy import ndimage, signal
+
+from gear_dynamics.bag.reader import read_log
+from gear_dynamics.settings import SimSettings
+
+SETTLED = 4.0
+"""The end of each half, in which the motion has settled at its speed [s]."""
+
+SHOWN_CYCLES = 8
+"""Mesh cycles of the waveform in the picture."""
+
+
+class Half(NamedTuple):
+    """What was logged at one speed.
+
+    Attributes
+    ----------
+    rpm : float
+        Pinion speed [1/min].
+    expected, found : float
+        Mesh frequency: of the teeth and the speed, and in the spectrum [Hz].
+    waveform : ndarray
+        Columns t [s] and pinion_ay [m/s2], a few mesh cycles.
+    spectrum : ndarray
+        Columns frequency [Hz] and pinion_ay [m/s2].
+    section : ndarray
+        Columns x and y, one row for each mesh cycle.
+    """
+
+    rpm: float
+    expected: float
+    found: float
+    waveform: np.ndarray
+    spectrum: np.ndarray
+    section: np.ndarray
+
+
+def read_halves(log: Path, teeth: int) -> tuple[list[Half], int]:
+    """Return what was logged before and after the change of speed, and the number of gaps.
+
+    Parameters
+    ----------
+    log : Path
+        Bag folder.
+    teeth : int
+        Of the pinion.
+    """
+    t = read_log(log, columns=('t',))['t']
+    gaps = np.count_nonzero(np.diff(t) > 1.5 / SimSettings().sample_rate)
+    command = read_log(log, 'gear_pair/cmd/speed')[0]
+    first = _read_half(log, command['t'], teeth, SimSettings().speed)
+    second = _read_half(log, t[-1], teeth, command['data'])
+    return [first, second], int(gaps)
+
+
+def _read_half(log: Path, end: float, teeth: int, speed: float) -> Half:
+    mesh = teeth * speed / (2 * math.pi)
+    settled, shown = end - SETTLED, end - SHOWN_CYCLES / mesh
+    columns = ('t', 'frequency', 'pinion_ay')
+    spectra = read_log(log, 'gear_pair/spectrum', settled, end, columns)
+    spectrum = spectra[spectra['t'] == spectra['t'][-1]]
+    return Half(
+        rpm=speed * 30 / math.pi,
+        expected=mesh,
+        found=mesh_frequency(spectrum['frequency'], spectrum['pinion_ay']),
+        waveform=read_log(log, 'gear_pair/samples', shown, end, ('t', 'pinion_ay')),
+        spectrum=spectrum,
+        section=read_log(log, 'gear_pair/poincare', settled, end, ('x', 'y')),
+    )
+
+
+def mesh_frequency(frequency: np.ndarray, amplitude: np.ndarray) -> float:
+    """Find the frequency of which the lines of a spectrum are multiples.
+
+    The lines are the peaks that stand out of their surroundings. The comb that is chosen has the
+    widest spacing of those which meet nearly all of the lines: a comb half as wide meets them too.
+
+    Parameters
+    ----------
+    frequency : ndarray
+        Equally spaced [Hz].
+    amplitude : ndarray
+        In any unit.
+
+    Returns
+    -------
+    float
+        Spacing of the comb, fitted to the lines weighted by their amplitudes [Hz]; NaN if no
+        line stands out.
+    """
+    bin_width = frequency[1] - frequency[0]
+    surroundings = ndimage.median_filter(amplitude, 65)
+    least = np.maximum(5 * surroundings, 0.01 * amplitude.max())
+    peaks, _ = signal.find_peaks(amplitude, height=least)
+    if not len(peaks):
+        return math.nan
+    # The peak of a windowed line is a parabola in decibels, nearly.
+    left, top, right = (np.log(amplitude[peaks + shift]) for shift in (-1, 0, 1))
+    at = frequency[peaks] + bin_width * 0.5 * (left - right) / (left - 2 * top + right)
+    weight = amplitude[peaks]
+    for spacing in np.sort((at[:, np.newaxis] / np.arange(1, 9)).ravel())[::-1]:
+        multiple = np.maximum(np.round(at / spacing), 1)
+        met = abs(at - multiple * spacing) < bin_width
+        if weight[met].sum() > 0.9 * weight.sum():
+            weight = weight * met
+            return float((weight * multiple * at).sum() / (weight * multiple**2).sum())
+    return math.nan
