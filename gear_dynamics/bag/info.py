@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from gear_dynamics.bag.log import Log, LogPath
+from gear_dynamics.bag.log import SAMPLES_TOPIC, Log, LogPath
 from gear_dynamics.bag.source import Damage, LogChannel, McapSource, ReadMessage
-from gear_dynamics.bag.tables import TABLE_TYPE, Table, TableError, decode_table
+from gear_dynamics.bag.tables import Table, TableError, decode_table
 
 
 @dataclasses.dataclass(frozen=True)
@@ -34,7 +34,7 @@ class TopicInfo:
     rate : float
         Messages a second over the whole log; NaN for fewer than two.
     gaps : tuple of Gap
-        Of tables with a steady column t: where block and next stamp do not meet.
+        Of samples: where the end of a block and the next stamp do not meet.
     """
 
     name: str
@@ -166,8 +166,8 @@ def _changes(configurations: list[dict[str, str]]) -> Iterator[dict[str, str]]:
 
 
 def _gaps(log: Log, channel: LogChannel, count: int, start: int) -> tuple[Gap, ...]:
-    """Return the gaps of a table of equal blocks; read through only if a block is missing."""
-    if channel.type_name != TABLE_TYPE or count < 2:
+    """Return the gaps of a stream of samples; read through only if a block is missing."""
+    if not channel.topic.endswith('/' + SAMPLES_TOPIC) or count < 2:
         return ()
     first = _table(next(log.messages([channel.topic]), None))
     period = _period(first)

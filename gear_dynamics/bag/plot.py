@@ -64,7 +64,9 @@ def plot(path: LogPath, file: Path, channel: str) -> None:
     mesh = rig.pinion_teeth * segments.speed / (2 * math.pi) if rig else None
     figure = Figure(figsize=(13, 11), layout='constrained')
     FigureCanvasAgg(figure)
-    axes = figure.subplot_mosaic([['wave', 'wave'], ['lines', 'section'], ['fall', 'trend']])
+    axes: dict[str, Axes] = figure.subplot_mosaic(
+        [['wave', 'wave'], ['lines', 'section'], ['fall', 'trend']]
+    )
     figure.suptitle(f'{log.sources[0].path.stem}   {channel}')
     _draw_waveform(axes['wave'], segments, channel)
     _draw_spectrum(axes['lines'], segments, channel, None if mesh is None else mesh[-1])
@@ -94,13 +96,16 @@ def _draw_spectrum(axes: Axes, segments: Segments, channel: str, mesh: float | N
     top = segments.frequency[-1]
     if mesh:
         top = min(top, (HARMONICS + 1) * mesh)
+        label = f'multiples of the mesh frequency, {mesh:.1f} Hz'
         for harmonic in range(1, HARMONICS + 1):
-            axes.axvline(harmonic * mesh, color='tab:orange', linewidth=0.7, alpha=0.7)
+            axes.axvline(harmonic * mesh, color='tab:orange', linewidth=0.7, label=label)
+            label = ''
     inside = (segments.frequency <= top) & (segments.frequency > 0)
     axes.semilogy(segments.frequency[inside], spectrum[inside], linewidth=0.8)
-    marks = f', mesh frequency {mesh:.1f} Hz and multiples marked' if mesh else ''
+    if mesh:
+        axes.legend(fontsize='small', loc='lower right')
     axes.set(
-        title=f'Amplitude spectrum at {segments.speed[-1]:.1f} rad/s{marks}',
+        title=f'Amplitude spectrum at {segments.speed[-1]:.1f} rad/s',
         xlabel='frequency [Hz]',
         ylabel=f'amplitude [{UNITS[channel]}]',
         xlim=(0, top),

@@ -6,6 +6,7 @@ import contextlib
 import dataclasses
 import math
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -74,7 +75,7 @@ def gather_segments(log: Log, channel: str) -> Segments:
     """
     window = window_samples('hann', SEGMENT)
     parts = []
-    last = np.empty(0)
+    last: Any = None
     step = 1.0
     for segment in _segments(log, channel):
         x = segment[channel] - segment[channel].mean()

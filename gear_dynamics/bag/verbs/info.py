@@ -9,6 +9,8 @@ from collections.abc import Iterator
 
 from gear_dynamics.bag.info import LogInfo, TopicInfo, log_info
 
+GAPS_SHOWN = 10
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what the verb takes."""
@@ -35,8 +37,10 @@ def lines(info: LogInfo) -> Iterator[str]:
     yield f'messages       {info.messages}'
     yield from _table(info)
     for topic in info.topics:
-        for gap in topic.gaps:
+        for gap in topic.gaps[:GAPS_SHOWN]:
             yield f'gap            {topic.name}: {gap.duration:+.6f} s at {gap.at:.3f} s'
+        if len(topic.gaps) > GAPS_SHOWN:
+            yield f'gap            {topic.name}: and {len(topic.gaps) - GAPS_SHOWN} more'
     for configuration in info.configurations:
         yield f'configuration from {_local(int(configuration["log_time"]))}'
         for key, text in configuration.items():
