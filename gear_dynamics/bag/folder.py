@@ -150,7 +150,7 @@ class BagFolder:
         size = file.size
         self._largest = max(self._largest, len(data))
         file.write(topic, data, log_time, publish_time)
-        if file.size != size:
+        if file.size != size or file.duration >= self._limits.split_duration * 1e9:
             self._check(file)
 
     def configure(self, configuration: Mapping[str, str], log_time: int) -> None:

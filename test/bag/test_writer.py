@@ -1,0 +1,247 @@
+"""The log as independent readers see it, and its splits, limits and queue."""
+
+import itertools
+
+import bag_support
+import numpy as np
+import pytest
+import yaml
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+from rosbags.interfaces import QosDurability, QosReliability
+from rosbags.rosbag2 import Reader
+from rosbags.typesys import Stores, get_typestore
+
+import gear_dynamics.bag.writer
+from gear_dynamics.bag.info import log_info
+from gear_dynamics.bag.messages import MessageError
+from gear_dynamics.bag.writer import LogWriter
+
+NINE_KEYS = {
+    'history',
+    'depth',
+    'reliability',
+    'durability',
+    'deadline',
+    'lifespan',
+    'liveliness',
+    'liveliness_lease_duration',
+    'avoid_ros_namespace_conventions',
+}
+
+# From `ros2 bag record` on Jazzy; sensor_msgs 5.3, std_msgs 5.3.
+TYPE_HASHES = {
+    'sensor_msgs/msg/PointCloud2': (
+        'RIHS01_9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5'
+    ),
+    'std_msgs/msg/String': (
+        'RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18'
+    ),
+}
+
+
+def bag_files(folder):
+    return sorted(folder.glob('*.mcap'), key=lambda path: int(path.stem.rsplit('_', 1)[1]))
+
+
+@pytest.fixture(scope='module', params=['none', 'lz4', 'zstd'])
+def bag(request, tmp_path_factory):
+    published = bag_support.messages(60)
+    directory = tmp_path_factory.mktemp(request.param)
+    folder = bag_support.write_log(
+        directory, published, compression=request.param, split_duration=0.04
+    )
+    return folder, published
+
+
+@pytest.mark.parametrize('single', [False, True])
+def test_rosbags_reads_folder_and_file(bag, single):
+    folder, published = bag
+    files = bag_files(folder)
+    assert len(files) > 1
+    store = get_typestore(Stores.ROS2_JAZZY)
+    found = []
+    for path in files if single else [folder]:
+        with Reader(path) as reader:
+            for connection in reader.connections:
+                qos = connection.ext.offered_qos_profiles
+                latched = connection.topic == '/gear_pair/configuration'
+                durability = QosDurability.TRANSIENT_LOCAL if latched else QosDurability.VOLATILE
+                assert [q.durability for q in qos] == [durability]
+                assert qos[0].reliability == QosReliability.RELIABLE
+                if not single:
+                    assert connection.digest == store.hash_rihs01(connection.msgtype)
+                    count = sum(m.topic == connection.topic for m in published)
+                    assert connection.msgcount == count
+            found += [
+                (c.topic, c.msgtype, bytes(data), time) for c, time, data in reader.messages()
+            ]
+            if not single:
+                assert reader.message_count == len(published)
+                times = [m.log_time for m in published]
+                assert reader.duration == max(times) - min(times) + 1
+    assert sorted(found) == sorted((m.topic, m.type_name, m.data, m.log_time) for m in published)
+
+
+def test_mcap_decodes_every_field_as_published(bag):
+    folder, published = bag
+    store = get_typestore(Stores.ROS2_JAZZY)
+    found = []
+    for path in bag_files(folder):
+        with path.open('rb') as stream:
+            reader = make_reader(stream, validate_crcs=True, decoder_factories=[DecoderFactory()])
+            found += list(reader.iter_decoded_messages(log_time_order=False))
+    assert len(found) == len(published)
+    for read, message in zip(found, published, strict=True):
+        assert read.schema.name == message.type_name
+        assert read.channel.topic == message.topic
+        assert read.message.log_time == message.log_time
+        assert read.message.publish_time == message.publish_time
+        same(read.decoded_message, store.deserialize_cdr(message.data, message.type_name))
+
+
+def same(decoded, expected):
+    """Compare messages of two libraries field by field."""
+    if hasattr(expected, '__dataclass_fields__'):
+        for name in expected.__dataclass_fields__:
+            if name != '__msgtype__' and not name.isupper():  # constants are no fields
+                same(getattr(decoded, name), getattr(expected, name))
+    elif isinstance(expected, list):
+        assert len(decoded) == len(expected)
+        for one, other in zip(decoded, expected, strict=True):
+            same(one, other)
+    elif isinstance(expected, np.ndarray):
+        assert bytes(decoded) == expected.tobytes()
+    elif isinstance(expected, int) and isinstance(decoded, bytes):
+        assert decoded == bytes([expected])
+    else:
+        assert decoded == expected
+
+
+def test_files_are_what_rosbag2_expects(bag):
+    folder, published = bag
+    for path in bag_files(folder):
+        with path.open('rb') as stream:
+            reader = make_reader(stream)
+            assert reader.get_header().profile == 'ros2'
+            summary = reader.get_summary()
+            records = {record.name: record.metadata for record in reader.iter_metadata()}
+        for channel in summary.channels.values():
+            schema = summary.schemas[channel.schema_id]
+            assert (channel.message_encoding, schema.encoding) == ('cdr', 'ros2msg')
+            profiles = yaml.safe_load(channel.metadata['offered_qos_profiles'])
+            assert [set(profile) for profile in profiles] == [NINE_KEYS]
+            expected = TYPE_HASHES.get(schema.name, channel.metadata['topic_type_hash'])
+            assert channel.metadata['topic_type_hash'] == expected
+        for name in ('std_msgs/Header', 'sensor_msgs/PointField', 'builtin_interfaces/Time'):
+            clouds = [s for s in summary.schemas.values() if s.name.endswith('PointCloud2')]
+            assert all(f'MSG: {name}\n'.encode() in schema.data for schema in clouds)
+        inner = yaml.safe_load(records['rosbag2']['serialized_metadata'])
+        assert inner['version'] == 9
+        assert inner['message_count'] == summary.statistics.message_count
+        assert inner['relative_file_paths'] == [path.name]
+        content = dict(records['gear_dynamics'])
+        assert {key: content[key] for key in bag_support.CONFIGURATION} == (
+            bag_support.CONFIGURATION
+        )
+
+
+def test_metadata_yaml_has_version_9_and_policies_as_words(bag):
+    folder, published = bag
+    content = yaml.safe_load((folder / 'metadata.yaml').read_text())
+    information = content['rosbag2_bagfile_information']
+    assert information['version'] == 9
+    assert information['storage_identifier'] == 'mcap'
+    assert information['ros_distro'] == 'jazzy'
+    assert information['relative_file_paths'] == [path.name for path in bag_files(folder)]
+    assert sum(file['message_count'] for file in information['files']) == len(published)
+    for topic in information['topics_with_message_count']:
+        profile = topic['topic_metadata']['offered_qos_profiles'][0]
+        assert set(profile) == NINE_KEYS
+        assert profile['history'] == 'keep_last'
+        assert profile['liveliness_lease_duration'] == {'sec': 9223372036, 'nsec': 854775807}
+
+
+def test_names_of_folder_and_files(bag):
+    folder, _ = bag
+    assert folder.name.startswith('gear_log_')
+    for number, path in enumerate(bag_files(folder)):
+        assert path.name == f'{folder.name}_{number}.mcap'
+
+
+def test_a_file_ends_after_its_duration(tmp_path):
+    published = bag_support.messages(60)
+    folder = bag_support.write_log(tmp_path, published, split_duration=0.02)
+    spans = []
+    for path in bag_files(folder):
+        with Reader(path) as reader:
+            spans.append((reader.start_time, reader.end_time))
+    for (begin, end), (start, _) in itertools.pairwise(spans):
+        assert 20e6 <= end - begin < 20e6 + 2 * bag_support.STEP
+        assert end <= start + 1
+
+
+def test_a_file_ends_at_its_size_and_old_ones_go(tmp_path):
+    published = bag_support.messages(4000)
+    folder = bag_support.write_log(
+        tmp_path, published, compression='none', split_size=2e6, total_cap=8e6
+    )
+    files = bag_files(folder)
+    sizes = [path.stat().st_size for path in files]
+    # A file may be larger by the chunk that reached the limit and by its index.
+    assert all(2e6 <= size < 2e6 + 1.2e6 + 2e5 for size in sizes[:-1])
+    assert sum(sizes) <= 8e6 + 1.4e6
+    numbers = [int(path.stem.rsplit('_', 1)[1]) for path in files]
+    assert numbers[0] > 0
+    assert numbers == list(range(numbers[0], numbers[-1] + 1))
+    with Reader(folder) as reader:
+        kept = [bytes(data) for _, _, data in reader.messages()]
+    assert kept == [m.data for m in published][-len(kept) :]
+
+
+def test_a_change_of_configuration_is_noted(tmp_path):
+    changed = {**bag_support.CONFIGURATION, 'parameters': 'pinion_teeth: 34\nseed: 2'}
+    with LogWriter(tmp_path, bag_support.CONFIGURATION, free_floor=0.0) as writer:
+        for message in bag_support.messages(20):
+            bag_support.hand_in(writer, message)
+        writer.configure(changed)
+    info = log_info(next(tmp_path.iterdir()))
+    assert [c['parameters'] for c in info.configurations] == [
+        bag_support.CONFIGURATION['parameters'],
+        changed['parameters'],
+    ]
+
+
+def test_an_overflow_is_counted(tmp_path, monkeypatch):
+    published = bag_support.messages(20)
+    limit = sum(len(m.data) for m in published) // 2
+    monkeypatch.setattr(gear_dynamics.bag.writer, 'QUEUE_SIZE', limit)
+    writer = LogWriter(tmp_path, {}, free_floor=0.0)
+    with writer._condition:  # the thread cannot take anything out meanwhile
+        for message in published:
+            bag_support.hand_in(writer, message)
+    status = writer.close()
+    assert status.overflows > 0
+    assert status.dropped == status.overflows
+    assert status.messages + status.dropped == len(published)
+    assert log_info(status.path).messages == status.messages
+
+
+def test_a_wrong_type_topic_or_option_is_refused(tmp_path):
+    with LogWriter(tmp_path, {}, free_floor=0.0) as writer:
+        with pytest.raises(MessageError, match=r"did you mean 'std_msgs/msg/String'"):
+            writer.write('/a', 'std_msgs/msg/Strin', b'', 0, 0)
+        with pytest.raises(ValueError, match='must be absolute'):
+            writer.write('a', bag_support.STRING, b'', 0, 0)
+        with pytest.raises(ValueError, match='out of range'):
+            writer.write('/a', bag_support.STRING, b'', -1, 0)
+    with pytest.raises(ValueError, match='compression is'):
+        LogWriter(tmp_path, {}, compression='gzip')
+    with pytest.raises(ValueError, match='split_size is 0'):
+        LogWriter(tmp_path, {}, split_size=0)
+
+
+def test_two_logs_in_the_same_second_have_folders_of_their_own(tmp_path):
+    with LogWriter(tmp_path, {}, free_floor=0.0), LogWriter(tmp_path, {}, free_floor=0.0):
+        pass
+    assert len(list(tmp_path.iterdir())) == 2
