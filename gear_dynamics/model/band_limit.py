@@ -9,90 +9,89 @@ from __future__ import annotations
 
 import functools
 
+import numba
 import numpy as np
 
-from gear_dynamics.model.columns import CHANNELS, SAMPLES
-
-OVERSAMPLING = 4
-DELAY = 24
-"""Samples by which the filter looks ahead of the sample that it makes."""
-
-FILTERED = (*CHANNELS, 'speed')
-"""Columns that jump or kink at events. The others are smooth and are taken at their instant, which
-is where the filter's delay puts the filtered ones."""
+from gear_dynamics.model.lanes import weighted_sum
+from gear_dynamics.model.layout import (
+    ANGLE1,
+    ANGLE2,
+    HIGH_RATE_COLUMNS,
+    LOAD,
+    OVERSAMPLING,
+    TAPS,
+    T,
+)
 
 _PASS = 20.0 / 51.2
 _STOP = 0.5
 _STOP_DB = 84.0
-_CHUNK = 16
 
 
 @functools.cache
 def taps() -> np.ndarray:
-    """Return the filter, (2 DELAY OVERSAMPLING + 1,), of unit gain at rest.
+    """Return the filter, (TAPS,), of unit gain at rest.
 
     Kaiser's design formulas (Kaiser, 1974; Oppenheim and Schafer, section 7.5).
     """
-    half = DELAY * OVERSAMPLING
+    half = TAPS // 2
     cutoff = (_PASS + _STOP) / 2 * 2 / OVERSAMPLING
     n = np.arange(-half, half + 1)
     beta = 0.1102 * (_STOP_DB - 8.7)
-    window = np.kaiser(2 * half + 1, beta)
+    window = np.kaiser(TAPS, beta)
     response = cutoff * np.sinc(cutoff * n) * window
     return response / response.sum()
 
 
-@functools.cache
-def _chunk_matrix() -> np.ndarray:
-    """Return the matrix that makes _CHUNK samples at once out of the samples at the high rate."""
-    h = taps()
-    matrix = np.zeros((_CHUNK, h.size + OVERSAMPLING * (_CHUNK - 1)))
-    for i in range(_CHUNK):
-        matrix[i, OVERSAMPLING * i : OVERSAMPLING * i + h.size] = h
-    return matrix
+@numba.njit(cache=True)
+def _decimate(weights, high, made, out):
+    """Fill `out` with one filtered row for every OVERSAMPLING rows of `high`."""
+    centre = TAPS // 2
+    for i in range(out.shape[0]):
+        first = OVERSAMPLING * i
+        weighted_sum(weights, high, first, made)
+        for j in range(out.shape[1]):
+            out[i, j] = made[j]
+        for j in (T, ANGLE1, ANGLE2, LOAD):
+            out[i, j] = high[first + centre, j]
 
 
 class BandLimiter:
-    """Turns samples at OVERSAMPLING times the rate into band-limited samples at the rate."""
+    """Turns samples at OVERSAMPLING times the rate into band-limited samples at the rate.
 
-    def __init__(self) -> None:
-        self._columns = np.zeros((0, len(FILTERED)))
-        self._rows = np.zeros(0, SAMPLES)
+    Accelerations, forces, delta, delta_dot and speed, which jump or kink at events, are filtered.
+    Time, angles and load torque are smooth and are taken at their instant, which is where the
+    filter's delay puts the others.
 
-    @property
-    def missing(self) -> int:
-        """Samples at the high rate that are needed before the next sample can be made."""
-        return max(0, 2 * DELAY * OVERSAMPLING + 1 - len(self._rows))
+    Parameters
+    ----------
+    capacity : int
+        Most samples that `room` is asked for at once.
+    """
+
+    def __init__(self, capacity: int) -> None:
+        self.capacity = capacity
+        self._rows = np.zeros((TAPS + OVERSAMPLING * capacity, HIGH_RATE_COLUMNS))
+        self._made = np.zeros(HIGH_RATE_COLUMNS)
+        self._held = 0
 
     def start(self, first: np.ndarray) -> None:
         """Forget the past; before the run's first sample everything stood as in it."""
-        history = np.repeat(first[:1], DELAY * OVERSAMPLING)
-        self._rows = history
-        self._columns = _filtered_columns(history)
+        self._held = TAPS // 2 + 1
+        self._rows[: self._held] = first
 
-    def feed(self, rows: np.ndarray) -> np.ndarray:
-        """Take samples at the high rate (SAMPLES) and return those at the rate that they complete.
+    def room(self, count: int) -> np.ndarray:
+        """Return the rows, at the high rate, that are to be filled for the next `count` samples."""
+        needed = TAPS + OVERSAMPLING * (count - 1)
+        return self._rows[self._held : needed]
+
+    def take(self, out: np.ndarray) -> None:
+        """Fill `out`, (count, 13), once the rows of `room(count)` are filled.
 
         The result does not depend on how the stream is cut into calls, to the last bit.
         """
-        all_rows = np.concatenate([self._rows, rows])
-        columns = np.concatenate([self._columns, _filtered_columns(rows)])
-        span = 2 * DELAY * OVERSAMPLING + 1
-        count = max(0, (len(all_rows) - span) // OVERSAMPLING + 1)
-        centre = DELAY * OVERSAMPLING
-        out = all_rows[centre : centre + count * OVERSAMPLING : OVERSAMPLING].copy()
-        matrix = _chunk_matrix()
-        padded = np.concatenate([columns, np.zeros((matrix.shape[1], len(FILTERED)))])
-        # Every product has the same shape, so that its rounding is the same wherever it falls.
-        for begin in range(0, count, _CHUNK):
-            high = OVERSAMPLING * begin
-            made = matrix @ padded[high : high + matrix.shape[1]]
-            for j, name in enumerate(FILTERED):
-                out[name][begin : begin + _CHUNK] = made[: count - begin, j]
-        used = count * OVERSAMPLING
-        self._rows, self._columns = all_rows[used:], columns[used:]
-        return out
-
-
-def _filtered_columns(rows: np.ndarray) -> np.ndarray:
-    return np.stack([rows[name] for name in FILTERED], axis=1)
+        count = len(out)
+        _decimate(taps(), self._rows, self._made, out)
+        used = OVERSAMPLING * count
+        self._held = TAPS - OVERSAMPLING
+        self._rows[: self._held] = self._rows[used : used + self._held]

@@ -7,14 +7,14 @@ import math
 import numba
 import numpy as np
 
+from gear_dynamics.model.lanes import LANES, eighths
 from gear_dynamics.model.series import value_and_slope
 
 DRIVE, GAP, BACK = 1, 0, -1
 """Contact states of a tooth pair: on the drive flank, in the backlash gap, on the back flank."""
 
-POINTS = 8
-"""Points of a step at which delta is looked at. A step spans at most about five radians of the
-fastest mode, so that between points there is room for one extremum at most."""
+# A step is looked at in eight parts. It spans at most about five radians of the fastest mode, so
+# that a part has room for one extremum at most.
 
 _NEAR = 8 * np.finfo(np.float64).eps
 
@@ -99,19 +99,6 @@ def _exit(g, level, sign, near, ta, ga, sa, tb, gb, sb):
 
 
 @numba.njit(cache=True)
-def _four_points(g, t0, t1, t2, t3, work, at):
-    """Put value and slope of g at four times into columns at .. at + 3 of `work`."""
-    v0 = v1 = v2 = v3 = g[g.size - 1]
-    s0 = s1 = s2 = s3 = 0.0
-    for k in range(g.size - 2, -1, -1):
-        s0, s1, s2, s3 = s0 * t0 + v0, s1 * t1 + v1, s2 * t2 + v2, s3 * t3 + v3
-        gk = g[k]
-        v0, v1, v2, v3 = v0 * t0 + gk, v1 * t1 + gk, v2 * t2 + gk, v3 * t3 + gk
-    work[0, at], work[0, at + 1], work[0, at + 2], work[0, at + 3] = v0, v1, v2, v3
-    work[1, at], work[1, at + 1], work[1, at + 2], work[1, at + 3] = s0, s1, s2, s3
-
-
-@numba.njit(cache=True)
 def first_change(g, h, state, b, work):
     """Return the first instant in [0, h] at which a pair's contact changes, and its next state.
 
@@ -125,7 +112,7 @@ def first_change(g, h, state, b, work):
         DRIVE, GAP or BACK.
     b : float
         Half backlash [m].
-    work : (2, POINTS + 1) array
+    work : (2, LANES) array
         Scratch.
 
     Returns
@@ -134,13 +121,11 @@ def first_change(g, h, state, b, work):
         t is inf if the state lasts.
     """
     near = _NEAR * b
-    work[0, 0], work[1, 0] = g[0], g[1]
-    part = h / POINTS
-    _four_points(g, part, 2 * part, 3 * part, 4 * part, work, 1)
-    _four_points(g, 5 * part, 6 * part, 7 * part, h, work, 5)
-    for j in range(POINTS):
-        ta, tb = j * part, (j + 1) * part if j + 1 < POINTS else h
-        ga, sa, gb, sb = work[0, j], work[1, j], work[0, j + 1], work[1, j + 1]
+    eighths(g, h, work)
+    gb, sb, tb = g[0], g[1], 0.0
+    for j in range(LANES):
+        ga, sa, ta = gb, sb, tb
+        gb, sb, tb = work[0, j], work[1, j], h * ((j + 1) / LANES)
         if state == DRIVE:
             t = _exit(g, b, 1.0, near, ta, ga, sa, tb, gb, sb)
             if t < math.inf:

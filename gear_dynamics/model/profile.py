@@ -6,8 +6,8 @@ import math
 
 import numba
 
+from gear_dynamics.model.layout import SEG_ERROR, SEG_PAIR
 from gear_dynamics.model.mesh import DEGREE
-from gear_dynamics.model.series import SEG_ERROR, SEG_PAIR
 
 _SPAN = 2 * DEGREE + 1
 

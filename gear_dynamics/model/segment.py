@@ -10,8 +10,8 @@ from __future__ import annotations
 import numba
 
 from gear_dynamics.model.contact import GAP
+from gear_dynamics.model.layout import SEG_FORCE, SEG_FRICTION, SEG_MOMENT, SEG_PAIR, WIDTH
 from gear_dynamics.model.profile import fill_profiled_pair, has_profile
-from gear_dynamics.model.series import SEG_FORCE, SEG_FRICTION, SEG_MOMENT, SEG_PAIR, WIDTH
 
 
 @numba.njit(cache=True)

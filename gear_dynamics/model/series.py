@@ -12,36 +12,23 @@ import math
 import numba
 import numpy as np
 
-ORDER = 28
-"""Order of the positions' series."""
-
-ROWS = ORDER + 1
-"""Rows of a series: the coefficients of t^0 to t^ORDER."""
-
-# Columns of a series.
-X1, Y1, X2, Y2, PSI, Q, DELTA = range(7)
-COLUMNS = 8
-"""Positions and delta; the eighth column pads a row to the width of vector registers."""
-
-STATES = 13
-"""States: six positions (x1, y1, x2, y2, psi, q), their velocities, and the integral of q.
-
-psi = rb1 th1 - rb2 th2 and q, the rigid rotation, stand for th1 and th2: at mu = 0 the drive then
-never touches the vibration, to the last bit.
-"""
-
-WIDTH = 13
-"""Coefficients of a segment's polynomials in time: s is quadratic in time while the speed ramps,
-profiles are cubic in s, and the offset is a product of two of them."""
-
-# Rows of a segment: what multiplies delta and delta', and the offset, in the mesh force F, the
-# friction force Ff and the moment sum of Ff_i times the arm at the beginning of the step.
-SEG_FORCE, SEG_FRICTION, SEG_MOMENT = 0, 3, 6
-# Flank errors of pairs A and B.
-SEG_ERROR = 9
-# One pair's own stiffness, damping and offset, while its profile is added to the sums.
-SEG_PAIR = 11
-SEGMENT = 14
+from gear_dynamics.model.lanes import columns_at
+from gear_dynamics.model.layout import (
+    DELTA,
+    ORDER,
+    PSI,
+    Q_SUM,
+    ROWS,
+    SEG_FORCE,
+    SEG_FRICTION,
+    SEG_MOMENT,
+    WIDTH,
+    X1,
+    X2,
+    Y1,
+    Y2,
+    Q,
+)
 
 _INVERSE = 1.0 / np.arange(1, ORDER + 3)
 
@@ -122,6 +109,7 @@ def expand(p, y, e, segment, degree, travel, travel_rate, load, load_rate, serie
         delta_dot = order * delta_n
         series[k, X1], series[k, Y1], series[k, X2], series[k, Y2] = x1, y1, x2, y2
         series[k, PSI], series[k, Q], series[k, DELTA] = psi, q, delta
+        series[k, Q_SUM] = q_sum
         force = force_k * delta + force_c * delta_dot + force_o
         if degree > 0:
             series[k + 1, DELTA] = delta_n
@@ -153,30 +141,16 @@ def expand(p, y, e, segment, degree, travel, travel_rate, load, load_rate, serie
     k = ROWS - 1
     series[k, X1], series[k, Y1], series[k, X2], series[k, Y2] = x1, y1, x2, y2
     series[k, PSI], series[k, Q], series[k, DELTA] = psi, q, delta
+    series[k, Q_SUM] = q_sum
 
 
 @numba.njit(cache=True)
-def evaluate(series, t, value, slope):
-    """Fill `value` and `slope` with the columns of the series and their derivatives at time t."""
-    for j in range(COLUMNS):
-        value[j] = series[ROWS - 1, j]
-        slope[j] = 0.0
-    for k in range(ROWS - 2, -1, -1):
-        for j in range(COLUMNS):
-            slope[j] = slope[j] * t + value[j]
-            value[j] = value[j] * t + series[k, j]
-
-
-@numba.njit(cache=True)
-def advance_state(series, t, y, value, slope):
+def advance_state(series, t, y, point):
     """Replace the state y at the beginning of the series by that at time t."""
-    integral = 0.0
-    for k in range(ROWS - 1, -1, -1):
-        integral = integral * t + series[k, Q] * _INVERSE[k]
-    evaluate(series, t, value, slope)
+    columns_at(series, t, point)
     for j in range(6):
-        y[j], y[6 + j] = value[j], slope[j]
-    y[12] += integral * t
+        y[j], y[6 + j] = point[0, j], point[1, j]
+    y[12] = point[0, Q_SUM]
 
 
 @numba.njit(cache=True)

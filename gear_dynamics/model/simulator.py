@@ -10,15 +10,16 @@ import numba
 import numpy as np
 
 from gear_dynamics.model import contact, mesh, stepper
-from gear_dynamics.model.band_limit import OVERSAMPLING, BandLimiter
-from gear_dynamics.model.columns import EVENTS, SAMPLES
+from gear_dynamics.model.band_limit import BandLimiter
+from gear_dynamics.model.columns import EVENTS, SAMPLE_COLUMNS, SAMPLES
 from gear_dynamics.model.constants import pack
 from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.layout import HIGH_RATE_COLUMNS, OVERSAMPLING
 from gear_dynamics.model.motion import at_rest
 from gear_dynamics.model.parameter import ParameterError
 from gear_dynamics.model.run_settings import RunSettings
 
-_CHUNK = 8192
+_CHUNK = 1024
 
 
 class IntegrationError(RuntimeError):
@@ -27,7 +28,19 @@ class IntegrationError(RuntimeError):
 
 @numba.njit(cache=True)
 def _fill(
-    constants, clock, state, series, error, segment, work, point, events, zones, profiles, out
+    constants,
+    clock,
+    state,
+    series,
+    error,
+    segment,
+    work,
+    point,
+    events,
+    zones,
+    profiles,
+    angles_every,
+    out,
 ):
     return stepper.fill_samples(
         constants[0],
@@ -41,6 +54,7 @@ def _fill(
         work[0],
         point[0],
         events[0],
+        angles_every,
         out,
     )
 
@@ -99,7 +113,7 @@ class Simulator:
         self.pair = pair
         self.settings = RunSettings(**values)
         self._drive, self._profiles = drive, profiles
-        self._limiter = BandLimiter() if self.settings.anti_alias else None
+        self._limiter = BandLimiter(_CHUNK) if self.settings.anti_alias else None
         self._oversampling = OVERSAMPLING if self._limiter else 1
         self.reset()
 
@@ -116,9 +130,9 @@ class Simulator:
         self._held_events: list[np.ndarray] = []
         self.samples_done = 0
         if self._limiter:
-            first = self._integrate(1)
+            first = np.zeros((1, HIGH_RATE_COLUMNS))
+            self._integrate(first)
             self._limiter.start(first)
-            self._limiter.feed(first)
 
     def advance(self, n: int) -> np.ndarray:
         """Return the next n samples, an (n,) array of SAMPLES; t is since the start of the run.
@@ -128,31 +142,25 @@ class Simulator:
         IntegrationError
             If the step size falls through its floor or the motion is no longer finite.
         """
+        samples = np.zeros(n, SAMPLES)
+        rows = samples.view(np.float64).reshape(n, len(SAMPLE_COLUMNS))
         if self._limiter is None:
-            samples = self._integrate(n)
+            self._integrate(rows)
         else:
-            samples = self._advance_band_limited(n)
+            for begin in range(0, n, self._limiter.capacity):
+                part = rows[begin : begin + self._limiter.capacity]
+                self._integrate(self._limiter.room(len(part)))
+                self._limiter.take(part)
         self.samples_done += n
         return samples
 
-    def _advance_band_limited(self, n: int) -> np.ndarray:
-        assert self._limiter is not None
-        parts, have = [], 0
-        while have < n:
-            ahead = self._limiter.missing + OVERSAMPLING * (min(n - have, _CHUNK) - 1)
-            parts.append(self._limiter.feed(self._integrate(ahead)))
-            have += len(parts[-1])
-        samples = parts[0] if len(parts) == 1 else np.concatenate(parts)
-        return samples
-
-    def _integrate(self, n: int) -> np.ndarray:
-        out = np.zeros(n, SAMPLES)
+    def _integrate(self, rows: np.ndarray) -> None:
+        """Fill rows with the integrator's next samples."""
         filled = 0
-        while filled < n:
-            count, status = _fill(*self._motion, out[filled:])
+        while filled < len(rows):
+            count, status = _fill(*self._motion, self._oversampling, rows[filled:])
             filled += count
             self._check(status)
-        return out
 
     def _check(self, status: int) -> None:
         clock = self._motion.clock[0]

@@ -7,12 +7,10 @@ import math
 import numba
 
 from gear_dynamics.model.contact import GAP, contact_state, first_change
-from gear_dynamics.model.output import write_sample
+from gear_dynamics.model.layout import DELTA, SEG_ERROR, WIDTH
+from gear_dynamics.model.output import time_of_sample, write_samples
 from gear_dynamics.model.segment import fill_segment
 from gear_dynamics.model.series import (
-    DELTA,
-    SEG_ERROR,
-    WIDTH,
     advance_state,
     expand,
     step_size,
@@ -153,7 +151,7 @@ def _end_step(p, clock, zones, profiles, y, series, segment, point, events):
     clock.steps += 1
     wraps = clock.ending == MESH and clock.zone == zones.size - 1
     _pass_section(p, clock, series, clock.length, wraps, events)
-    advance_state(series, clock.length, y, point[0], point[1])
+    advance_state(series, clock.length, y, point)
     if clock.ending == CONTACT:
         _change_contact(p, clock, zones[clock.zone], series, segment, events)
     end = clock.begin + clock.length
@@ -259,11 +257,6 @@ def begin_step(p, clock, zones, profiles, y, series, error, segment, work, enter
 
 
 @numba.njit(cache=True)
-def _time_of_sample(clock, sample):
-    return (sample - clock.origin) / clock.sample_rate
-
-
-@numba.njit(cache=True)
 def run(p, clock, zones, profiles, y, series, error, segment, work, point, events, sample):
     """Step until the present step spans the instant of a sample.
 
@@ -277,7 +270,7 @@ def run(p, clock, zones, profiles, y, series, error, segment, work, point, event
                 return STUCK
             if not math.isfinite(series[1, DELTA] + clock.length):
                 return NOT_FINITE
-        if _time_of_sample(clock, sample) < clock.begin + clock.length:
+        if time_of_sample(clock, sample) < clock.begin + clock.length:
             return DONE
         if clock.events > events.size - _EVENTS_PER_STEP:
             return EVENTS_FULL
@@ -291,9 +284,9 @@ def interrupt(p, clock, y, series, point, events):
 
     `run` must have reached that sample.
     """
-    tau = max(_time_of_sample(clock, clock.sample) - clock.begin, 0.0)
+    tau = max(time_of_sample(clock, clock.sample) - clock.begin, 0.0)
     _pass_section(p, clock, series, tau, False, events)
-    advance_state(series, tau, y, point[0], point[1])
+    advance_state(series, tau, y, point)
     end = clock.begin + tau
     clock.phase = _phase_at(p, clock, end)
     clock.speed = clock.anchor_speed + clock.accel * (end - clock.anchor)
@@ -304,27 +297,31 @@ def interrupt(p, clock, y, series, point, events):
 
 
 @numba.njit(cache=True)
-def fill_samples(p, clock, zones, profiles, y, series, error, segment, work, point, events, out):
-    """Fill the rows of `out` (SAMPLES) with the next samples; return their number and a status."""
-    for i in range(out.size):
-        if clock.length < 0 or _time_of_sample(clock, clock.sample) >= clock.begin + clock.length:
+def fill_samples(
+    p, clock, zones, profiles, y, series, error, segment, work, point, events, angles_every, out
+):
+    """Fill the rows of `out` with the next samples; return their number and a status.
+
+    out : (n, 13 or more) array
+        Columns in the order of SAMPLE_COLUMNS.
+    angles_every : int
+        The angles are wanted only of every so many samples; those of the others are left alone.
+    """
+    count = out.shape[0]
+    i = 0
+    while i < count:
+        if clock.length < 0 or time_of_sample(clock, clock.sample) >= clock.begin + clock.length:
+            sample = clock.sample
             status = run(
-                p,
-                clock,
-                zones,
-                profiles,
-                y,
-                series,
-                error,
-                segment,
-                work,
-                point,
-                events,
-                clock.sample,
+                p, clock, zones, profiles, y, series, error, segment, work, point, events, sample
             )
             if status != DONE:
                 return i, status
-        tau = _time_of_sample(clock, clock.sample) - clock.begin
-        write_sample(p, clock, series, segment, point, tau, out[i])
-        clock.sample += 1
-    return out.size, DONE
+        together = min(count - i, 4)
+        end = clock.begin + clock.length
+        while time_of_sample(clock, clock.sample + together - 1) >= end:
+            together -= 1
+        write_samples(p, clock, series, segment, point, angles_every, out[i : i + together])
+        clock.sample += together
+        i += together
+    return count, DONE

@@ -1,0 +1,181 @@
+"""Many independent gear pairs at once, over all cores."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+from gear_dynamics.model import mesh, stepper
+from gear_dynamics.model.columns import EVENTS, SAMPLE_COLUMNS, SAMPLES
+from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.motion import Motion, at_rest
+from gear_dynamics.model.parameter import ParameterError
+from gear_dynamics.model.run_settings import RunSettings
+from gear_dynamics.model.simulator import IntegrationError
+
+_EVENT_ROOM = 64
+"""Events that a pair can hold; those of a batch are counted, not kept."""
+
+
+class Batch(NamedTuple):
+    """Gear pairs that run side by side: arrays with one row a pair.
+
+    `motion.zones` is (n, longest) here, of which row i has `zone_counts[i]` zones.
+    """
+
+    motion: Motion
+    zone_counts: np.ndarray
+
+
+def gather(pairs: Sequence[GearPair], runs: Sequence[RunSettings], drive: bool = True) -> Batch:
+    """Return gear pairs at the start of their runs, ready to advance together."""
+    parts = [at_rest([pair], [run], drive=drive) for pair, run in zip(pairs, runs, strict=True)]
+    counts = np.array([part.zones.size for part in parts])
+    zones = np.zeros((len(parts), counts.max()), mesh.ZONES)
+    for row, part in zip(zones, parts, strict=True):
+        row[: part.zones.size] = part.zones
+    not_rows = ('events', 'zones', 'profiles')
+    rows = {
+        name: np.concatenate([getattr(part, name) for part in parts])
+        for name in Motion._fields
+        if name not in not_rows
+    }
+    events = np.zeros((len(parts), _EVENT_ROOM), EVENTS)
+    return Batch(Motion(**rows, events=events, zones=zones, profiles=mesh.healthy()), counts)
+
+
+@numba.njit(cache=True, parallel=True)
+def _fill_all(
+    constants,
+    clock,
+    state,
+    series,
+    error,
+    segment,
+    work,
+    point,
+    events,
+    zones,
+    profiles,
+    zone_counts,
+    out,
+    status,
+):
+    for i in numba.prange(status.size):
+        filled = 0
+        while filled < out.shape[1]:
+            count, status[i] = stepper.fill_samples(
+                constants[i],
+                clock[i],
+                zones[i][: zone_counts[i]],
+                profiles,
+                state[i],
+                series[i],
+                error[i],
+                segment[i],
+                work[i],
+                point[i],
+                events[i],
+                1,
+                out[i, filled:],
+            )
+            filled += count
+            if status[i] == stepper.EVENTS_FULL:
+                clock[i].events = 0
+            elif status[i] != stepper.DONE:
+                break
+
+
+def refuse_failure(status: np.ndarray, speeds: np.ndarray) -> None:
+    """Raise IntegrationError if the integrator could not go on with one of the pairs."""
+    failed = np.flatnonzero(status != stepper.DONE)
+    if failed.size:
+        i = int(failed[0])
+        raise IntegrationError(
+            f'the integrator stopped in row {i} of the batch, at speed {speeds[i]:g} rad/s: loosen '
+            'rtol or check the parameters'
+        )
+
+
+def spread(value: float | Sequence[float] | np.ndarray, n: int, name: str) -> np.ndarray:
+    """Return n values of an argument that may be given once for all.
+
+    Raises
+    ------
+    ParameterError
+        If it has another number of values.
+    """
+    values = np.asarray(value, dtype=float)
+    if values.shape not in ((), (n,)):
+        raise ParameterError(f'{name} has {values.size} values: give one, or {n}, one a gear pair')
+    return np.broadcast_to(values, n)
+
+
+def simulate_batch(
+    pairs: Sequence[GearPair],
+    speeds: float | Sequence[float] | np.ndarray = 104.72,
+    load_torques: float | Sequence[float] | np.ndarray = 150.0,
+    duration: float = 1.0,
+    sample_rate: float = 51200.0,
+    *,
+    rtol: float = 1e-6,
+    atol: float = 1e-9,
+) -> np.ndarray:
+    """Run many gear pairs from rest at constant commands, over all cores.
+
+    Each row is to the last bit what `simulate` gives for that pair. The cores are Numba's
+    (NUMBA_NUM_THREADS).
+
+    Parameters
+    ----------
+    pairs : sequence of n GearPair
+    speeds : float or n floats
+        Pinion speed [rad/s].
+    load_torques : float or n floats
+        On the gear [N m].
+    duration : float
+        Model time [s].
+    sample_rate : float
+        Samples per second [Hz].
+    rtol, atol : float
+        Tolerances of the integrator.
+
+    Returns
+    -------
+    (n, round(duration * sample_rate)) array of SAMPLES
+
+    Raises
+    ------
+    ParameterError
+        If an argument is out of its range, or there are no pairs.
+    IntegrationError
+        If the integrator cannot go on with one of them.
+    """
+    n = len(pairs)
+    if n == 0:
+        raise ParameterError('pairs is empty: give one gear pair or more')
+    if not (math.isfinite(duration) and duration > 0):
+        raise ParameterError(f'duration is {duration!r}: it must be a positive number of seconds')
+    speeds, load_torques = spread(speeds, n, 'speeds'), spread(load_torques, n, 'load_torques')
+    runs = [
+        RunSettings(
+            sample_rate=sample_rate,
+            speed=float(speed),
+            load_torque=float(torque),
+            anti_alias=False,
+            rtol=rtol,
+            atol=atol,
+        )
+        for speed, torque in zip(speeds, load_torques, strict=True)
+    ]
+    batch = gather(pairs, runs)
+    samples = np.zeros((n, round(duration * sample_rate)), SAMPLES)
+    rows = samples.view(np.float64).reshape(n, -1, len(SAMPLE_COLUMNS))
+    status = np.zeros(n, np.int64)
+    _fill_all(*batch.motion, batch.zone_counts, rows, status)
+    refuse_failure(status, speeds)
+    return samples

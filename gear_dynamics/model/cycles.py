@@ -1,0 +1,316 @@
+"""Whole mesh cycles at constant speed and load, from given states: what studies are made of."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+from gear_dynamics.model import stepper
+from gear_dynamics.model.batch import gather, refuse_failure, spread
+from gear_dynamics.model.columns import SAMPLE_COLUMNS, SAMPLES
+from gear_dynamics.model.contact import contact_state
+from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.lanes import columns_at
+from gear_dynamics.model.layout import (
+    DELTA,
+    Q_SUM,
+    SEG_FORCE,
+    SEG_FRICTION,
+    SEG_MOMENT,
+    STATES,
+)
+from gear_dynamics.model.output import time_of_sample, write_samples
+from gear_dynamics.model.run_settings import RunSettings
+from gear_dynamics.model.segment import fill_segment
+from gear_dynamics.model.variation import (
+    VARIED,
+    advance_variations,
+    divergence_over_step,
+    jump_at_contact,
+    orthonormalise,
+)
+
+SECTION_DELTA, SECTION_DELTA_DOT, SECTION_STATE = 0, 1, 2
+"""Columns of a section: delta [m], delta_dot [m/s], then the integrator's state."""
+
+_SECTION_COLUMNS = SECTION_STATE + STATES
+_MANY_TINY_STEPS = 10000
+
+
+class Cycles(NamedTuple):
+    """What n gear pairs did over a number of mesh cycles.
+
+    Attributes
+    ----------
+    sections : (n, cycles, 15) array
+        At each passage of the section phase: delta [m], delta_dot [m/s] and the full state.
+    states : (n, STATES) array
+        At the end, where a cycle begins: give them to go on from there.
+    samples : (n, cycles * samples_per_cycle) array of SAMPLES
+    vectors : (n, k, VARIED) array
+        The variations at the end.
+    growth : (n, cycles, k) array
+        Logarithm of the growth of each variation over each cycle.
+    divergence : (n, cycles) array
+        Integral over each cycle of the trace of the Jacobian: the sum of `growth` where k is 10.
+    period : (n,) array
+        Length of a mesh cycle [s].
+    """
+
+    sections: np.ndarray
+    states: np.ndarray
+    samples: np.ndarray
+    vectors: np.ndarray
+    growth: np.ndarray
+    divergence: np.ndarray
+    period: np.ndarray
+
+
+@numba.njit(cache=True)
+def _write_section(p, clock, y, series, point, section):
+    """Write the state where the section phase is passed, if that is in the present step."""
+    tau = stepper._time_of(p, clock, clock.section_phase) - clock.begin
+    columns_at(series, min(max(tau, 0.0), clock.length), point)
+    section[SECTION_DELTA], section[SECTION_DELTA_DOT] = point[0, DELTA], point[1, DELTA]
+    for j in range(6):
+        section[SECTION_STATE + j] = point[0, j]
+        section[SECTION_STATE + 6 + j] = point[1, j]
+    section[SECTION_STATE + 12] = point[0, Q_SUM]
+
+
+@numba.njit(cache=True)
+def _write_due_samples(p, clock, series, segment, point, out):
+    """Write all samples within the present step to the rows of `out`, from row `sample` on."""
+    end = clock.begin + clock.length
+    while clock.sample < out.shape[0]:
+        together = min(out.shape[0] - clock.sample, 4)
+        while together > 0 and time_of_sample(clock, clock.sample + together - 1) >= end:
+            together -= 1
+        if together == 0:
+            return
+        rows = out[clock.sample : clock.sample + together]
+        write_samples(p, clock, series, segment, point, 1, rows)
+        clock.sample += together
+
+
+@numba.njit(cache=True)
+def _vary(p, clock, segment, vectors):
+    """Advance the variations over the present step; return what diverges in it."""
+    if clock.length <= 0:
+        return 0.0
+    travel = p.pitch * p.z1 / (2 * math.pi) * clock.speed
+    advance_variations(p, segment, travel, clock.length, vectors)
+    return divergence_over_step(p, segment, travel, clock.length)
+
+
+@numba.njit(cache=True)
+def _vary_contact(p, clock, zones, profiles, segment, length, vectors):
+    """Let the variations jump: the step of `length` that has just ended did so at a contact."""
+    travel = p.pitch * p.z1 / (2 * math.pi) * clock.speed
+    force_c, rub_c = segment[SEG_FORCE + 1, 0], segment[SEG_FRICTION + 1, 0]
+    turn_c = segment[SEG_MOMENT + 1, 0] + travel * length * rub_c
+    fill_segment(p, clock, zones[clock.zone], profiles, segment)
+    jump_at_contact(
+        p,
+        segment[SEG_FORCE + 1, 0] - force_c,
+        segment[SEG_FRICTION + 1, 0] - rub_c,
+        segment[SEG_MOMENT + 1, 0] - turn_c,
+        vectors,
+    )
+
+
+@numba.njit(cache=True)
+def _run_cycle(
+    p,
+    clock,
+    zones,
+    profiles,
+    y,
+    series,
+    error,
+    segment,
+    work,
+    point,
+    events,
+    section,
+    vectors,
+    growth,
+    divergence,
+    out,
+):
+    """Advance to the beginning of the next mesh cycle."""
+    cycle = clock.cycle
+    while clock.cycle == cycle:
+        stepper.begin_step(p, clock, zones, profiles, y, series, error, segment, work, False)
+        if clock.tiny_steps >= _MANY_TINY_STEPS:
+            return stepper.STUCK
+        if not math.isfinite(series[1, DELTA] + clock.length):
+            return stepper.NOT_FINITE
+        _write_due_samples(p, clock, series, segment, point, out)
+        if vectors.shape[0] > 0:
+            divergence[0] += _vary(p, clock, segment, vectors)
+        length, to_pass = clock.length, clock.section_cycle <= cycle
+        if to_pass:
+            _write_section(p, clock, y, series, point, section)
+        stepper._end_step(p, clock, zones, profiles, y, series, segment, point, events)
+        clock.events = 0
+        clock.length = -1.0
+        if clock.ending == stepper.CONTACT and vectors.shape[0] > 0:
+            _vary_contact(p, clock, zones, profiles, segment, length, vectors)
+    if growth.size > 0:
+        orthonormalise(vectors, growth)
+    return stepper.DONE
+
+
+@numba.njit(cache=True, parallel=True)
+def _run_all(
+    constants,
+    clock,
+    state,
+    series,
+    error,
+    segment,
+    work,
+    point,
+    events,
+    zones,
+    profiles,
+    zone_counts,
+    sections,
+    vectors,
+    growth,
+    divergence,
+    out,
+    status,
+):
+    for i in numba.prange(status.size):
+        for cycle in range(sections.shape[1]):
+            status[i] = _run_cycle(
+                constants[i],
+                clock[i],
+                zones[i][: zone_counts[i]],
+                profiles,
+                state[i],
+                series[i],
+                error[i],
+                segment[i],
+                work[i],
+                point[i],
+                events[i],
+                sections[i, cycle],
+                vectors[i],
+                growth[i, cycle],
+                divergence[i, cycle : cycle + 1],
+                out[i],
+            )
+            if status[i] != stepper.DONE:
+                break
+
+
+def run_cycles(
+    pairs: Sequence[GearPair],
+    speeds: float | Sequence[float] | np.ndarray,
+    load_torques: float | Sequence[float] | np.ndarray,
+    cycles: int,
+    *,
+    states: np.ndarray | None = None,
+    vectors: np.ndarray | None = None,
+    orthogonal: bool = True,
+    samples_per_cycle: int = 0,
+    drive: bool = False,
+    section_phase: float = 0.5,
+    rtol: float = 1e-9,
+    atol: float = 1e-12,
+) -> Cycles:
+    """Run many gear pairs for a number of mesh cycles, over all cores.
+
+    Parameters
+    ----------
+    pairs : sequence of n GearPair
+    speeds : float or n floats
+        Pinion speed [rad/s], positive.
+    load_torques : float or n floats
+        On the gear [N m].
+    cycles : int
+    states : (n, STATES) array, optional
+        At mesh phase 0; the static deflection by default.
+    vectors : (n, k, VARIED) array, optional
+        Variations to advance along with the motion; of the reduced form alone.
+    orthogonal : bool
+        Make the variations orthonormal after each cycle; without it `growth` has no cycles and
+        the variations from the unit matrix become the monodromy matrix.
+    samples_per_cycle : int
+        Samples at equal distances in each cycle, the first at its beginning.
+    drive : bool
+        True runs the full form of docs/model.md.
+    section_phase : float
+        In cycles, [0, 1).
+    rtol, atol : float
+        Tolerances of the integrator.
+
+    Returns
+    -------
+    Cycles
+
+    Raises
+    ------
+    ParameterError
+        If an argument is out of its range.
+    IntegrationError
+        If the integrator cannot go on with one of the pairs.
+    """
+    n = len(pairs)
+    speeds, load_torques = spread(speeds, n, 'speeds'), spread(load_torques, n, 'load_torques')
+    period = 2 * np.pi / (np.array([pair.pinion_teeth for pair in pairs]) * speeds)
+    runs = [
+        RunSettings(
+            speed=float(speed),
+            load_torque=float(torque),
+            section_phase=section_phase,
+            rtol=rtol,
+            atol=atol,
+        )
+        for speed, torque in zip(speeds, load_torques, strict=True)
+    ]
+    motion, zone_counts = gather(pairs, runs, drive)
+    motion.clock['sample_rate'] = max(samples_per_cycle, 1) / period
+    if states is not None:
+        _place(motion, states)
+    vectors = np.zeros((n, 0, VARIED)) if vectors is None else np.array(vectors, dtype=float)
+    result = Cycles(
+        sections=np.zeros((n, cycles, _SECTION_COLUMNS)),
+        states=motion.state,
+        samples=np.zeros((n, cycles * samples_per_cycle), SAMPLES),
+        vectors=vectors,
+        growth=np.zeros((n, cycles, vectors.shape[1] if orthogonal else 0)),
+        divergence=np.zeros((n, cycles)),
+        period=period,
+    )
+    rows = result.samples.view(np.float64).reshape(n, -1, len(SAMPLE_COLUMNS))
+    status = np.zeros(n, np.int64)
+    _run_all(
+        *motion,
+        zone_counts,
+        result.sections,
+        result.vectors,
+        result.growth,
+        result.divergence,
+        rows,
+        status,
+    )
+    refuse_failure(status, speeds)
+    return result
+
+
+def _place(motion, states: np.ndarray) -> None:
+    """Begin from given states at mesh phase 0; contact follows from delta."""
+    motion.state[:] = states
+    for p, clock, y in zip(motion.constants, motion.clock, motion.state, strict=True):
+        error = p['e_a'] * math.sin(p['phi0'])
+        error_dot = p['e_a'] * math.cos(p['phi0']) * p['z1'] * clock['speed']
+        delta, delta_dot = y[3] - y[1] + y[4] - error, y[9] - y[7] + y[10] - error_dot
+        clock['contact_a'] = clock['contact_b'] = contact_state(delta, delta_dot, p['b'])
