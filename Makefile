@@ -9,7 +9,7 @@ OLDEST := .venv-oldest
 unexport PYTHONPATH PYTHONHOME AMENT_PREFIX_PATH RMW_IMPLEMENTATION LD_LIBRARY_PATH
 unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 
-.PHONY: demo test test-oldest tables
+.PHONY: demo test test-oldest readme
 .DEFAULT_GOAL := demo
 
 demo: $(VENV)/ros
@@ -38,6 +38,6 @@ $(OLDEST)/test: setup.py package.xml
 	  'numba==0.58.*' pytest pytest-timeout mcap-ros2-support
 	@touch $@
 
-# The tables of README.md, from the parameter lists.
-tables: $(VENV)/ros
-	@$(VENV)/bin/python tools/parameter_table.py
+# What README.md takes from the code.
+readme: $(VENV)/ros
+	@$(VENV)/bin/python tools/readme.py

@@ -1,6 +1,6 @@
-"""Write the table of parameters into README.md, from the parameter lists of the package.
+"""Write into README.md what the code says: the parameter tables and the example.
 
-Usage: python tools/parameter_table.py
+Usage: python tools/readme.py
 """
 
 from pathlib import Path
@@ -8,8 +8,8 @@ from pathlib import Path
 from gear_dynamics.model.parameter import Parameter, Value
 from gear_dynamics.parameter_files import NODES
 
-README = Path(__file__).resolve().parents[1] / 'README.md'
-BEGIN, END = '<!-- parameters: make tables writes this -->', '<!-- end of parameters -->'
+ROOT = Path(__file__).resolve().parents[1]
+README = ROOT / 'README.md'
 HEAD = ['| name | default | range | unit | live | what it is |', '|---|---|---|---|---|---|']
 
 
@@ -25,11 +25,19 @@ def table() -> str:
     return '\n\n'.join(parts)
 
 
-def with_table(text: str) -> str:
-    """Return the README's text with the present tables between the marks."""
-    before, _, rest = text.partition(BEGIN)
-    _, _, after = rest.partition(END)
-    return f'{before}{BEGIN}\n\n{table()}\n\n{END}{after}'
+def example() -> str:
+    """Return the example of a listener as Markdown."""
+    return f'```python\n{(ROOT / "examples" / "listen.py").read_text(encoding="utf-8")}```'
+
+
+def filled(text: str) -> str:
+    """Return the README's text with what stands between the marks brought up to date."""
+    for name, content in {'parameters': table(), 'example': example()}.items():
+        begin, end = f'<!-- {name}: written by make readme -->', f'<!-- end of {name} -->'
+        before, _, rest = text.partition(begin)
+        _, _, after = rest.partition(end)
+        text = f'{before}{begin}\n{content}\n{end}{after}'
+    return text
 
 
 def _row(about: Parameter) -> str:
@@ -55,4 +63,4 @@ def _text(value: Value) -> str:
 
 
 if __name__ == '__main__':
-    README.write_text(with_table(README.read_text(encoding='utf-8')), encoding='utf-8')
+    README.write_text(filled(README.read_text(encoding='utf-8')), encoding='utf-8')

@@ -1,0 +1,76 @@
+"""What the README says is true: its tables, its example, its commands."""
+
+import re
+import runpy
+import subprocess
+import sys
+
+import ros_support
+from ros_support import ROOT
+
+from gear_dynamics.__main__ import EXECUTABLES
+from gear_dynamics.parameter_files import NODES
+
+README = (ROOT / 'README.md').read_text()
+
+
+def test_tables_and_example_are_up_to_date():
+    tool = runpy.run_path(str(ROOT / 'tools' / 'readme.py'))
+    assert tool['filled'](README) == README, 'run make readme'
+
+
+def test_every_parameter_of_every_node_has_a_row():
+    for lists in NODES.values():
+        for about in (about for each in lists for about in each.parameters()):
+            assert f'\n| `{about.name}` | ' in README
+            assert about.description in README
+
+
+def test_every_executable_has_a_row():
+    for name in EXECUTABLES:
+        assert f'\n| `{name}` | ' in README
+
+
+def test_files_that_it_names_are_there():
+    for name in re.findall(r'\]\(([\w/.]+)\)', README):
+        assert (ROOT / name).is_file()
+
+
+def test_targets_that_it_names_are_in_the_makefile():
+    targets = set(re.findall(r'^([\w-]+):', (ROOT / 'Makefile').read_text(), re.MULTILINE))
+    assert set(re.findall(r'^ +make ([a-z-]+)', README, re.MULTILINE)) <= targets
+
+
+def test_python_example_runs(tmp_path):
+    code = re.search(r'```python\n(import dataclasses.*?)```', README, re.DOTALL).group(1)
+    without_log = '\n'.join(line for line in code.splitlines() if 'read_log' not in line)
+    done = subprocess.run(
+        [sys.executable, '-c', without_log], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    # T2 / rb2 of the default load, the mean force over whole cycles without friction.
+    assert abs(float(done.stdout) - 2705.5) < 0.005 * 2705.5
+
+
+def test_example_hears_the_stream(domain):
+    with ros_support.Process('gear_dynamics.nodes.sim', domain) as sim:
+        sim.wait_for('streaming')
+        listener = subprocess.Popen(
+            [sys.executable, '-u', ROOT / 'examples' / 'listen.py'],
+            env=ros_support.environment(domain),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+        try:
+            lines = [listener.stdout.readline() for _ in range(20)]
+        finally:
+            listener.send_signal(2)
+        rest = listener.communicate(timeout=20)[0]
+    assert listener.returncode == 0, rest
+    assert 'Traceback' not in rest
+    said = [re.fullmatch(r'(\d+)\.(\d{9}): (\d+) samples, ([\d.]+) m/s2 RMS\n', x) for x in lines]
+    stamps = [int(each[1]) * 10**9 + int(each[2]) for each in said]
+    assert {b - a for a, b in itertools.pairwise(stamps)} == {10_000_000}
+    assert {each[3] for each in said} == {'512'}
+    # The acceleration of the pinion, 794 m/s2 RMS in the long run.
+    assert all(500 < float(each[4]) < 1200 for each in said)
