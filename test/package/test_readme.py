@@ -1,5 +1,6 @@
 """What the README says is true: its tables, its example, its commands."""
 
+import itertools
 import re
 import runpy
 import subprocess
