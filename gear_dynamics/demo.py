@@ -114,16 +114,23 @@ def stream(folder: Path, duration: float) -> Streamed:
     # A domain of its own on this machine alone, so that it meets no other system.
     os.environ['ROS_DOMAIN_ID'] = str(1 + os.getpid() % 101)
     os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
-    try:
-        from gear_dynamics.nodes.remote import Remote
-    except ModuleNotFoundError as error:
-        raise DemoError(f'{error.name} is missing; make demo installs what is needed') from None
     sim = Child('sim', folder, {})
     analyzer = Child('analyzer', folder, {'log_directory': folder})
-    with sim, analyzer, Remote() as rig:
+    with _remote() as rig, sim, analyzer:
         children = (sim, analyzer)
         _wait_for_stream(rig, children)
         return _drive(rig, children, duration)
+
+
+def _remote() -> Remote:
+    try:
+        from gear_dynamics.nodes.remote import Remote
+
+        return Remote()
+    except ModuleNotFoundError as error:
+        raise DemoError(f'{error.name} is missing; make demo installs what is needed') from None
+    except Exception as error:  # RCLError is a private class of the extension
+        raise DemoError(f'ROS 2 does not start: {" ".join(str(error).split())}') from None
 
 
 def _wait_for_stream(rig: Remote, children: tuple[Child, ...]) -> None:
