@@ -31,8 +31,8 @@ class TopicInfo:
         Topic, message type, offered QoS profiles as YAML.
     messages : int
         Messages in all files.
-    rate : float
-        Messages a second over the whole log; NaN for fewer than two.
+    rate : float or None
+        Messages a second over the whole log; None for fewer than two.
     gaps : tuple of Gap
         Of samples: where the end of a block and the next stamp do not meet.
     """
@@ -41,7 +41,7 @@ class TopicInfo:
     type_name: str
     qos: str
     messages: int
-    rate: float
+    rate: float | None
     gaps: tuple[Gap, ...]
 
 
@@ -110,7 +110,7 @@ def log_info(path: LogPath) -> LogInfo:
                 type_name=channel.type_name,
                 qos=channel.qos,
                 messages=count,
-                rate=(count - 1) / seconds if count > 1 and seconds > 0 else float('nan'),
+                rate=(count - 1) / seconds if count > 1 and seconds > 0 else None,
                 gaps=_gaps(log, channel, count, start),
             )
             for channel, count in sorted(counts.items(), key=lambda item: item[0].topic)

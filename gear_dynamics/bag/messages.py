@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import difflib
 import functools
+import struct
 from typing import Any
 
 from rosbags.interfaces import Nodetype
@@ -83,11 +84,7 @@ def serialize(message: Any) -> bytes:
     """
     try:
         return bytes(typestore().serialize_cdr(message, message.__msgtype__, little_endian=True))
-    except (SerdeError, AttributeError, TypeError, ValueError, OverflowError) as error:
-        raise MessageError(f'cannot serialize a {type(message).__name__}: {error}') from error
-    except Exception as error:
-        if type(error).__name__ != 'error':  # struct.error, which is no ValueError
-            raise
+    except (SerdeError, AttributeError, TypeError, ValueError, struct.error) as error:
         raise MessageError(f'cannot serialize a {type(message).__name__}: {error}') from error
 
 

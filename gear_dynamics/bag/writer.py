@@ -273,17 +273,21 @@ class LogWriter:
         except LogDeleted as deleted:
             self._lose(str(deleted))
         except LogStopped as stop:
-            self._reason = str(stop)
-            self._finish()
+            # The state changes when the file is whole, not before.
+            if self._finish():
+                self._reason = str(stop)
         except OSError as error:
             self._lose(f'{error.filename or self._folder.path}: {error.strerror}')
 
-    def _finish(self) -> None:
+    def _finish(self) -> bool:
+        """Close the file with its index, if one is open; tell whether that went well."""
         if self._folder.is_open:
             try:
                 self._folder.finish()
             except OSError as error:
                 self._lose(f'{self._folder.path}: {error.strerror}')
+                return False
+        return True
 
     def _lose(self, reason: str) -> None:
         """Give up the chunk in progress, which the disk refused."""

@@ -17,6 +17,7 @@ STEP = 1_250_000  # 64 / 51200 s in ns, a whole number
 STRING = 'std_msgs/msg/String'
 FLOAT = 'std_msgs/msg/Float64'
 DIAGNOSTICS = 'diagnostic_msgs/msg/DiagnosticArray'
+RELIABLE = OfferedQos()
 CONFIGURATION = {'parameters': 'pinion_teeth: 34\nseed: 1', 'versions': 'numpy: 2'}
 LATCHED = OfferedQos(1, 'reliable', 'transient_local')
 
@@ -28,7 +29,7 @@ class Published:
     data: bytes
     log_time: int
     publish_time: int
-    qos: OfferedQos = OfferedQos()
+    qos: OfferedQos
 
 
 def block_of_samples(number):
@@ -63,9 +64,11 @@ def messages(blocks, step=STEP):
             published.append(Published(topic, TABLE_TYPE, data, arrival, stamp, OfferedQos(100)))
         if number % 10 == 0:
             data = serialize(diagnostics(stamp, number))
-            published.append(Published('/diagnostics', DIAGNOSTICS, data, arrival, stamp))
+            published.append(Published('/diagnostics', DIAGNOSTICS, data, arrival, stamp, RELIABLE))
             data = serialize(message_class(FLOAT)(float(number)))
-            published.append(Published('/gear_pair/cmd/speed', FLOAT, data, arrival, arrival))
+            published.append(
+                Published('/gear_pair/cmd/speed', FLOAT, data, arrival, arrival, RELIABLE)
+            )
     return published
 
 

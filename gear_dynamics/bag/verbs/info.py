@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import datetime
-import math
 from collections.abc import Iterator
 
 from gear_dynamics.bag.info import LogInfo, TopicInfo, log_info
@@ -69,7 +68,7 @@ def _table(info: LogInfo) -> Iterator[str]:
 
 
 def _row(topic: TopicInfo) -> tuple[str, str, str, str, str]:
-    rate = '-' if math.isnan(topic.rate) else f'{topic.rate:.3f}'
+    rate = '-' if topic.rate is None else f'{topic.rate:.3f}'
     return (topic.name, topic.type_name, str(topic.messages), rate, str(len(topic.gaps)))
 
 

@@ -1,0 +1,53 @@
+"""kill -9 of a writer at random moments: at most one second is lost."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gear_dynamics.bag.reader import read_messages
+from gear_dynamics.bag.recover import recover
+from gear_dynamics.bag.tables import decode_table
+
+SCRIPT = Path(__file__).with_name('writer_process.py')
+ROOT = SCRIPT.parents[2]
+DEFAULT_RATE = 100.0
+MOMENTS = np.random.default_rng(5).uniform(0.3, 2.5, 5).tolist()
+COMPRESSIONS = ('none', 'zstd', 'lz4', 'none', 'zstd')
+
+
+def killed_writer(directory, compression, rate, moment):
+    """Run a writer, kill it `moment` seconds after its first block; return number, time lines."""
+    environment = {**os.environ, 'PYTHONPATH': str(ROOT)}
+    command = [sys.executable, str(SCRIPT), str(directory), compression, str(rate)]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, env=environment)
+    try:
+        first = process.stdout.readline()
+        time.sleep(moment)
+    finally:
+        process.send_signal(signal.SIGKILL)
+        rest, _ = process.communicate()
+    lines = (first + rest).decode().splitlines()
+    complete = [line.split() for line in lines if len(line.split()) == 2]
+    return {int(number): float(at) for number, at in complete}
+
+
+@pytest.mark.parametrize(('compression', 'moment'), list(zip(COMPRESSIONS, MOMENTS, strict=True)))
+def test_kill_loses_at_most_a_second(tmp_path, compression, moment):
+    handed_in = killed_writer(tmp_path, compression, DEFAULT_RATE, moment)
+    (folder,) = tmp_path.iterdir()
+    damage = []
+    messages = list(read_messages(folder, on_damage=damage.append))
+    numbers = [message.publish_time for message in messages]
+    assert numbers == list(range(len(numbers)))
+    assert damage
+    last_kept = handed_in[numbers[-1]] if numbers else handed_in[0]
+    assert max(handed_in.values()) - last_kept <= 1.0
+    assert all(decode_table(m.data).stamp_ns == m.publish_time for m in messages)
+    if numbers:
+        assert recover(folder, tmp_path / 'sound').messages == len(numbers)

@@ -1,0 +1,32 @@
+"""A writer under load, to be killed: writes blocks at full rate and says what it handed in.
+
+Arguments: directory, compression, blocks a second. A line with number and time of each block
+goes to standard output before the block is handed in.
+"""
+
+import itertools
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+from gear_dynamics.bag.tables import SAMPLES_FLOAT32, TABLE_TYPE, encode_table
+from gear_dynamics.bag.writer import LogWriter
+
+
+def main():
+    directory, compression, rate = Path(sys.argv[1]), sys.argv[2], float(sys.argv[3])
+    rows = np.random.default_rng(1).normal(size=(512, 13)).astype(np.float32)
+    rows = rows.view(SAMPLES_FLOAT32).reshape(-1)
+    writer = LogWriter(directory, {}, compression=compression, free_floor=0.0)
+    start = time.monotonic()
+    for number in itertools.count():
+        time.sleep(max(start + number / rate - time.monotonic(), 0.0))
+        data = encode_table(rows, number, 'line_of_action')
+        print(number, time.monotonic(), flush=True)
+        writer.write('/gear_pair/samples', TABLE_TYPE, data, time.time_ns(), number)
+
+
+if __name__ == '__main__':
+    main()
