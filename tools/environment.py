@@ -13,14 +13,12 @@ OLDEST = (3, 10)
 
 
 def main(folder: str, *requirements: str) -> int:
-    """Create the environment if it is not there, install into it, and return an exit code."""
+    """Create the environment or mend it, install into it, and return an exit code."""
     if sys.version_info < OLDEST:
         return _fail(f'Python {sys.version.split()[0]} is too old: set PYTHON to 3.10 or later')
+    if _follow(f'making {folder}', [sys.executable, '-m', 'venv', folder]):
+        return _fail('on Debian and Ubuntu: apt install python3-venv')
     python = Path(folder) / 'bin' / 'python3'
-    if not python.exists():
-        made = _follow('making the environment', [sys.executable, '-m', 'venv', folder])
-        if made:
-            return _fail('on Debian and Ubuntu: apt install python3-venv')
     install = [str(python), '-m', 'pip', 'install', '--disable-pip-version-check', *requirements]
     if _follow(f'installing into {folder} (once)', install):
         return _fail(f'{folder} could not be set up')
@@ -57,4 +55,7 @@ def _fail(reason: str) -> int:
 
 
 if __name__ == '__main__':
-    sys.exit(main(*sys.argv[1:]))
+    try:
+        sys.exit(main(*sys.argv[1:]))
+    except KeyboardInterrupt:
+        sys.exit('\ninterrupted; the same command goes on from here')
