@@ -73,6 +73,9 @@ class Rig:
         Samples in one message.
     section_phase : float
         Mesh phase at which the exact section states are taken [cycles].
+    pinion_inertia, gear_inertia : float
+        Polar inertias, by which the angles of both wheels give the rotation of the rigid pair
+        [kg m2].
     """
 
     pinion_teeth: int
@@ -82,6 +85,8 @@ class Rig:
     sample_rate: float
     block_size: int
     section_phase: float
+    pinion_inertia: float
+    gear_inertia: float
 
     @classmethod
     def from_text(cls, text: str) -> Rig:
@@ -107,6 +112,8 @@ class Rig:
             sample_rate=_positive(parameters, 'sample_rate'),
             block_size=_count(parameters, 'block_size'),
             section_phase=_number(parameters, 'section_phase'),
+            pinion_inertia=_positive(derived, 'pinion_inertia'),
+            gear_inertia=_positive(derived, 'gear_inertia'),
         )
 
 

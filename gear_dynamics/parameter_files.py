@@ -12,10 +12,12 @@ import yaml
 
 from gear_dynamics.model import gear_pair
 from gear_dynamics.model.parameter import Parameter, ParameterError, ParameterSet
-from gear_dynamics.settings import SimSettings
+from gear_dynamics.settings import AnalyzerSettings, ReplaySettings, SimSettings
 
 NODES: dict[str, tuple[type[ParameterSet], ...]] = {
     'gear_sim': (gear_pair.GearPair, SimSettings),
+    'gear_analyzer': (AnalyzerSettings,),
+    'gear_replay': (ReplaySettings,),
 }
 """The nodes of this package and the parameter lists that each takes."""
 

@@ -39,6 +39,8 @@ def test_rig_comes_back():
         sample_rate=25600.0,
         block_size=100,
         section_phase=0.25,
+        pinion_inertia=pair.derived.pinion_inertia,
+        gear_inertia=pair.derived.gear_inertia,
     )
 
 

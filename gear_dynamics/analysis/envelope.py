@@ -42,8 +42,9 @@ def envelope(x: np.ndarray, rate: float, low: float, high: float) -> np.ndarray:
         )
     frequency = fft.rfftfreq(len(x), 1 / rate)
     inside = (frequency >= max(low, frequency[1])) & (frequency < high)
-    lines = np.zeros((len(x), *np.shape(x)[1:]), dtype=complex)
-    lines[: len(frequency)][inside] = 2 * fft.rfft(x, axis=0)[inside]
+    present = fft.rfft(x, axis=0)
+    lines = np.zeros((len(x), *present.shape[1:]), dtype=present.dtype)
+    lines[: len(frequency)][inside] = 2 * present[inside]
     return np.abs(fft.ifft(lines, axis=0))
 
 
@@ -116,7 +117,8 @@ def kurtogram(x: np.ndarray, rate: float, levels: int = 6) -> list[Band]:
         width = len(lines) // count
         if width < 64:
             break
-        square = np.abs(fft.ifft(lines[: width * count].reshape(count, width), axis=1)) ** 2
+        signals = fft.ifft(lines[: width * count].reshape(count, width), axis=1)
+        square = signals.real**2 + signals.imag**2
         mean = np.maximum(square.mean(axis=1), np.finfo(float).tiny)
         kurtosis = (square**2).mean(axis=1) / mean**2 - 2
         edges = np.arange(count + 1) * width * rate / len(x)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
 
+from gear_dynamics.analysis.interpolation import HALF_WIDTH, interpolate
 from gear_dynamics.analysis.spectrum import amplitude_spectrum
 
 
@@ -48,14 +48,14 @@ def resample_by_phase(x: np.ndarray, phase: np.ndarray, points: int) -> tuple[in
     """Return x at equal steps of the phase, `points` a cycle.
 
     The instants are interpolated linearly in the phase, which a steady acceleration a [cycles/s2]
-    moves by at most a / (8 rate^2) cycles; x comes from its quintic spline, in error by less than
-    4 (f / (rate - f))^6 for a tone of frequency f. There is no low-pass filter: with fewer points
-    than samples in a cycle, what lies above points / 2 orders folds back.
+    moves by at most a / (8 rate^2) cycles, and x band-limited, which holds for what lies below 0.4
+    of the sample rate. There is no low-pass filter: with fewer points than samples in a cycle,
+    what lies above points / 2 orders folds back. The 16 samples at either end give no points.
 
     Parameters
     ----------
     x : ndarray, shape (n,) or (n, channels)
-        At least 6 samples.
+        More than 32 samples.
     phase : ndarray, shape (n,)
         In cycles, rising.
     points : int
@@ -74,11 +74,13 @@ def resample_by_phase(x: np.ndarray, phase: np.ndarray, points: int) -> tuple[in
     """
     if not np.all(np.diff(phase) > 0):
         raise ValueError('the phase does not rise at every sample: the shaft must turn forward')
-    first = int(np.ceil(phase[0] * points))
-    ticks = np.arange(first, int(np.floor(phase[-1] * points)) + 1)
-    samples = np.arange(len(phase))
-    positions = np.interp(ticks / points, phase, samples)
-    return first, make_interp_spline(samples, x, k=5)(positions)
+    if len(phase) <= 2 * HALF_WIDTH:
+        raise ValueError(f'{len(phase)} samples are too few: more than {2 * HALF_WIDTH} are needed')
+    first = int(np.ceil(phase[HALF_WIDTH] * points))
+    ticks = np.arange(first, int(np.floor(phase[-1 - HALF_WIDTH] * points)) + 1)
+    positions = np.interp(ticks / points, phase, np.arange(len(phase)))
+    values = interpolate(np.reshape(x, (len(x), -1)), positions)
+    return first, values.reshape((-1, *np.shape(x)[1:]))
 
 
 def order_spectrum(

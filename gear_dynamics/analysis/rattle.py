@@ -50,6 +50,8 @@ def rattle(delta: np.ndarray, half_backlash: float) -> Rattle:
     half_backlash : float
         [m]
     """
+    if delta.min() > half_backlash:
+        return Rattle(0.0, 0, 0)
     before, after = delta[:-1], delta[1:]
     low, high = np.minimum(before, after), np.maximum(before, after)
     inside = np.minimum(high, half_backlash) - np.maximum(low, -half_backlash)
@@ -61,3 +63,36 @@ def rattle(delta: np.ndarray, half_backlash: float) -> Rattle:
         int(np.count_nonzero((before > half_backlash) & (after <= half_backlash))),
         int(np.count_nonzero((before >= -half_backlash) & (after < -half_backlash))),
     )
+
+
+class RattleCounter:
+    """`rattle` of a stream, block by block; the step from one block to the next counts too."""
+
+    def __init__(self, half_backlash: float) -> None:
+        self.half_backlash = half_backlash
+        self._last: np.ndarray = np.empty(0)
+        self._clear()
+
+    def _clear(self) -> None:
+        self._steps = 0
+        self._out = 0.0
+        self._losses = 0
+        self._back_impacts = 0
+
+    def add(self, delta: np.ndarray) -> None:
+        """Take the next samples of delta [m]."""
+        joined = np.append(self._last, delta)
+        self._last = joined[-1:]
+        steps = len(joined) - 1
+        if steps:
+            found = rattle(joined, self.half_backlash)
+            self._steps += steps
+            self._out += found.out_of_contact * steps
+            self._losses += found.losses
+            self._back_impacts += found.back_impacts
+
+    def take(self) -> Rattle:
+        """Return the state over what was added since the last call."""
+        result = Rattle(self._out / max(self._steps, 1), self._losses, self._back_impacts)
+        self._clear()
+        return result

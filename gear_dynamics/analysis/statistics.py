@@ -50,6 +50,48 @@ def skewness(x: np.ndarray) -> np.ndarray:
     return normalised_moment(x, 3)
 
 
+class Moments:
+    """The statistics above of a stream, summed block by block."""
+
+    def __init__(self) -> None:
+        self.count = 0
+        self._centre: np.ndarray | None = None
+
+    def add(self, x: np.ndarray) -> None:
+        """Take the next samples, shape (n, channels)."""
+        if self._centre is None:
+            # Powers are taken about a first guess of the mean, lest they cancel at the end.
+            self._centre = x.mean(axis=0)
+            self._sums = np.zeros((4, x.shape[1]))
+            self._peak = np.zeros(x.shape[1])
+        self.count += len(x)
+        centred = x - self._centre
+        square = centred * centred
+        self._sums += (
+            centred.sum(axis=0),
+            square.sum(axis=0),
+            np.einsum('ij,ij->j', square, centred),
+            np.einsum('ij,ij->j', square, square),
+        )
+        self._peak = np.maximum(self._peak, np.maximum(x.max(axis=0), -x.min(axis=0)))
+
+    def indicators(self) -> dict[str, np.ndarray]:
+        """Return rms, peak, crest_factor, kurtosis and skewness, one value a channel each."""
+        assert self._centre is not None
+        m1, m2, m3, m4 = self._sums / self.count
+        variance = np.maximum(m2 - m1**2, 0)
+        third = m3 - 3 * m1 * m2 + 2 * m1**3
+        fourth = m4 - 4 * m1 * m3 + 6 * m1**2 * m2 - 3 * m1**4
+        level = np.sqrt(variance + (self._centre + m1) ** 2)
+        return {
+            'rms': level,
+            'peak': self._peak,
+            'crest_factor': ratio(self._peak, level),
+            'kurtosis': ratio(fourth, variance**2),
+            'skewness': ratio(third, variance**1.5),
+        }
+
+
 def ratio(numerator: np.ndarray, denominator: np.ndarray) -> np.ndarray:
     """Return numerator / denominator, NaN where the denominator is zero."""
     zero = np.asarray(denominator) == 0

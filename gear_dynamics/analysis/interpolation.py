@@ -1,0 +1,73 @@
+"""Band-limited interpolation between samples at equal steps."""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+
+HALF_WIDTH = 16
+"""Samples on either side of an instant that its value is made of."""
+
+_PHASES = 1024
+_STOP_BAND = 100.0  # dB
+
+
+def _weights() -> np.ndarray:
+    """Return the windowed sinc at 1024 places between two samples, shape (1025, 32)."""
+    beta = 0.1102 * (_STOP_BAND - 8.7)  # Kaiser 1974, for this attenuation
+    taps = np.arange(1 - HALF_WIDTH, HALF_WIDTH + 1)
+    distance = np.arange(_PHASES + 1)[:, np.newaxis] / _PHASES - taps
+    inside = np.sqrt(np.clip(1 - (distance / HALF_WIDTH) ** 2, 0, None))
+    weights = np.sinc(distance) * np.i0(beta * inside)
+    return weights / weights.sum(axis=1, keepdims=True)
+
+
+_WEIGHTS = _weights()
+
+
+def interpolate(rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
+    """Return rows at fractional positions, by a windowed sinc of 32 taps.
+
+    A tone below 0.4 of the sample rate comes out within 3e-5 of its amplitude.
+
+    Parameters
+    ----------
+    rows : ndarray, shape (n, columns)
+    positions : ndarray, shape (m,)
+        In samples, from HALF_WIDTH - 1 to n - 1 - HALF_WIDTH.
+
+    Returns
+    -------
+    ndarray, shape (m, columns)
+
+    Raises
+    ------
+    ValueError
+        If a position is too close to an end.
+    """
+    if len(positions) and not (
+        positions.min() >= HALF_WIDTH - 1 and positions.max() <= len(rows) - 1 - HALF_WIDTH
+    ):
+        raise ValueError(
+            f'positions {positions.min():g} to {positions.max():g} must lie from {HALF_WIDTH - 1} '
+            f'to {len(rows) - 1 - HALF_WIDTH}'
+        )
+    return _interpolate(np.ascontiguousarray(rows, dtype=float), positions, _WEIGHTS)
+
+
+@numba.njit(cache=True)
+def _interpolate(rows, positions, weights):  # type: ignore[no-untyped-def]
+    half = weights.shape[1] // 2
+    phases = weights.shape[0] - 1
+    result = np.zeros((len(positions), rows.shape[1]))
+    for m in range(len(positions)):
+        before = int(np.floor(positions[m]))
+        place = (positions[m] - before) * phases
+        index = min(int(place), phases - 1)
+        share = place - index
+        for tap in range(2 * half):
+            weight = (1 - share) * weights[index, tap] + share * weights[index + 1, tap]
+            row = before + 1 - half + tap
+            for column in range(rows.shape[1]):
+                result[m, column] += weight * rows[row, column]
+    return result

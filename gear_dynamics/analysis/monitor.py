@@ -1,0 +1,164 @@
+"""The online analysis of a rig without ROS: blocks and events in, results out.
+
+The same engine serves a live stream and a log: fed the same messages in the same order, it
+gives the same results.
+"""
+
+from __future__ import annotations
+
+import collections
+import dataclasses
+
+import numpy as np
+
+from gear_dynamics.analysis.blocks import BlockError, checked_columns
+from gear_dynamics.analysis.gaps import Order, StampCheck
+from gear_dynamics.analysis.poincare import SECTION, poincare_points, section_from_events
+from gear_dynamics.analysis.record import EXACT, Record
+from gear_dynamics.analysis.results import Result, Span, TableResult
+from gear_dynamics.analysis.thresholds import Thresholds
+from gear_dynamics.configuration import Rig
+from gear_dynamics.model.columns import EVENTS, EventKind
+from gear_dynamics.settings import AnalyzerSettings
+
+PATIENCE = 1.0
+"""Seconds of samples without an event message after which the section is interpolated."""
+
+
+@dataclasses.dataclass
+class Health:
+    """Counters of what came in.
+
+    Attributes
+    ----------
+    blocks : int
+        Blocks analysed.
+    waiting : int
+        Blocks that came before the configuration.
+    gaps, missing : int
+        Gaps between blocks, and samples missing in them.
+    restarts : Counter
+        Times that the analysis began anew, by reason.
+    dropped : Counter
+        Messages that were not used, by kind of fault.
+    last_fault : str
+        The latest reason for which a message was dropped.
+    """
+
+    blocks: int = 0
+    waiting: int = 0
+    gaps: int = 0
+    missing: int = 0
+    restarts: collections.Counter[str] = dataclasses.field(default_factory=collections.Counter)
+    dropped: collections.Counter[str] = dataclasses.field(default_factory=collections.Counter)
+    last_fault: str = ''
+
+    def drop(self, kind: str, reason: str) -> None:
+        """Count a message that is not used."""
+        self.dropped[kind] += 1
+        self.last_fault = reason
+
+
+class Monitor:
+    """Analyses the stream of one rig.
+
+    Parameters
+    ----------
+    settings : AnalyzerSettings
+    thresholds : Thresholds
+        Their levels live as long as the monitor, across gaps.
+    """
+
+    def __init__(self, settings: AnalyzerSettings, thresholds: Thresholds) -> None:
+        self._settings = settings
+        self._thresholds = thresholds
+        self._rig: Rig | None = None
+        self._record: Record | None = None
+        self._check: StampCheck | None = None
+        self._since_events = 0.0
+        self.health = Health()
+
+    def configure(self, rig: Rig) -> None:
+        """Learn of the rig; a change of what the record rests on begins a new one."""
+        old, self._rig = self._rig, rig
+        if old is None or old.sample_rate != rig.sample_rate:
+            self._check = StampCheck(rig.sample_rate)
+        if old is None or self._record is None:
+            return
+        if _basis(old) == _basis(rig):
+            self._record.use(rig)
+        else:
+            self._record = None
+            self.health.restarts['change of the rig'] += 1
+
+    def add_block(self, stamp_ns: int, rows: np.ndarray) -> list[Result]:
+        """Take a block of samples; return the results that it completes.
+
+        A block that cannot be used is dropped and counted; a gap begins a new record.
+
+        Parameters
+        ----------
+        stamp_ns : int
+            Header stamp [ns].
+        rows : ndarray
+            Structured, with the columns of `samples`.
+        """
+        if self._rig is None or self._check is None:
+            self.health.waiting += 1
+            return []
+        try:
+            values = checked_columns(rows, self._rig.sample_rate)
+        except BlockError as error:
+            self.health.drop(error.kind, str(error))
+            return []
+        order = self._check.check(stamp_ns, len(values))
+        if order is Order.BACK:
+            self.health.drop('back', f'stamp {stamp_ns} ns goes back')
+            return []
+        if order is not Order.NEXT or self._record is None:
+            self._begin(order, stamp_ns)
+        assert self._record is not None
+        self.health.blocks += 1
+        self._since_events += len(values) / self._rig.sample_rate
+        return self._record.add_block(values, self._since_events > PATIENCE)
+
+    def add_events(self, stamp_ns: int, rows: np.ndarray) -> list[Result]:
+        """Take the events of a block; return the results that they complete."""
+        if self._rig is None:
+            return []
+        missing = [name for name in EVENTS.names or () if name not in (rows.dtype.names or ())]
+        if missing:
+            self.health.drop('events', f'the events have no column {", ".join(missing)}')
+            return []
+        if not all(np.isfinite(rows[name]).all() for name in SECTION.names or ()):
+            self.health.drop('events', 'the events have a value that is not finite')
+            return []
+        self._since_events = 0.0
+        section = section_from_events(rows)
+        points = section
+        if self._settings.section == 'contact_loss':
+            points = section_from_events(rows, EventKind.DRIVE_LOST)
+        results: list[Result] = []
+        if len(points):
+            span = Span(stamp_ns, self._rig.block_size / self._rig.sample_rate)
+            table = poincare_points(points, self._rig.half_backlash, self._rig.wn)
+            results.append(TableResult('poincare', span, table))
+        if self._record is not None and len(section):
+            section['t'] += (stamp_ns - self._record.start_ns) / 1e9
+            results += self._record.add_section(section, EXACT)
+        return results
+
+    def _begin(self, order: Order, stamp_ns: int) -> None:
+        assert self._rig is not None
+        assert self._check is not None
+        if order in (Order.GAP, Order.RESTART):
+            self.health.restarts[order.value] += 1
+        if order is Order.GAP:
+            self.health.gaps += 1
+            self.health.missing += self._check.missing
+        self._record = Record(self._settings, self._rig, self._thresholds, stamp_ns)
+
+
+def _basis(rig: Rig) -> Rig:
+    """Return the rig with what may change in the midst of a record made equal."""
+    return dataclasses.replace(rig, wn=1.0, half_backlash=1.0, block_size=1)

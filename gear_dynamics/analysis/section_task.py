@@ -1,0 +1,102 @@
+"""Online work on the Poincaré section: the points, and the regime they show."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from gear_dynamics.analysis.poincare import SECTION
+from gear_dynamics.analysis.regime import Regime, regime
+
+STEADY = 0.005
+"""Share by which the mesh frequency may change over a record that is judged."""
+
+CHANGING = 'not judged: the speed is changing'
+
+
+class Motion(NamedTuple):
+    """The regime over a record of successive section states.
+
+    Attributes
+    ----------
+    start, end : float
+        Times of the first and the last state [s].
+    words : str
+        Regime, or why there is none.
+    cycle_rate : float
+        Mesh frequency [Hz].
+    regime : Regime or None
+        None if the speed was changing.
+    """
+
+    start: float
+    end: float
+    words: str
+    cycle_rate: float
+    regime: Regime | None
+
+
+class SectionTask:
+    """Collects the states of successive mesh cycles and judges each full record of them.
+
+    Parameters
+    ----------
+    cycles : int
+        States in a record.
+    tolerance : float
+        Greatest distance that counts as recurrence, in standard deviations of delta and delta_dot.
+    """
+
+    def __init__(self, cycles: int, tolerance: float) -> None:
+        self._cycles = cycles
+        self._tolerance = tolerance
+        self._states = np.empty(cycles, SECTION)
+        self._filled = 0
+        self.restarts = 0
+
+    def push(self, section: np.ndarray, scale: tuple[float, float]) -> list[Motion]:
+        """Take states, dtype SECTION; return the records completed.
+
+        A state that is not one cycle after the one before begins a new record.
+
+        Parameters
+        ----------
+        section : ndarray
+        scale : tuple of float
+            Standard deviations of delta [m] and delta_dot [m/s] of the samples.
+        """
+        motions = []
+        for run in np.split(
+            section, np.flatnonzero(np.abs(np.diff(section['cycle']) - 1) > 0.5) + 1
+        ):
+            if self._filled and len(run) and not self._follows(run[0]['cycle']):
+                self._filled = 0
+                self.restarts += 1
+            while len(run):
+                taken = min(len(run), self._cycles - self._filled)
+                self._states[self._filled : self._filled + taken] = run[:taken]
+                self._filled += taken
+                run = run[taken:]
+                if self._filled == self._cycles:
+                    motions.append(self._judge(scale))
+                    self._filled = 0
+        return motions
+
+    def _follows(self, cycle: float) -> bool:
+        return abs(cycle - self._states['cycle'][self._filled - 1] - 1) <= 0.5
+
+    def _judge(self, scale: tuple[float, float]) -> Motion:
+        t = self._states['t']
+        start, end = float(t[0]), float(t[-1])
+        cycle_rate = (len(t) - 1) / (end - start)
+        quarter = len(t) // 4
+        early, late = t[quarter] - t[0], t[-1] - t[-1 - quarter]
+        if abs(early - late) > STEADY * early:
+            return Motion(start, end, CHANGING, cycle_rate, None)
+        delta, delta_dot = (max(each, np.finfo(float).tiny) for each in scale)
+        states = np.column_stack(
+            [self._states['delta'] / delta, self._states['delta_dot'] / delta_dot]
+        )
+        found = regime(states, cycle_rate, self._tolerance)
+        return Motion(start, end, found.words, cycle_rate, found)
