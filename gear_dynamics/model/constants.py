@@ -21,6 +21,8 @@ CONSTANTS = np.dtype(
             'k c b mu e_a phi0 z1 z2 pitch approach eps arm1 arm_sum '
             # drive
             'kd cd ki '
+            # ready for the equations: 1 / m, c / m, k / m and the like
+            'inv_m1 inv_m2 inv_me inv_it c1_m c2_m k1_m k2_m psi_1 psi_2 th1_psi th2_psi '
             # scales and tolerances
             'wn rtol atol'
         ).split()
@@ -28,7 +30,9 @@ CONSTANTS = np.dtype(
     + [(name, np.int64) for name in ('rectangular', 'damping_in_gap', 'drive', 'hunting')]
 )
 """k, c: of one tooth pair; pitch: base pitch; arm1: r1 sin a - l1; arm_sum: (rb1 + rb2) tan a;
-ratio: rb1 / rb2; inertia_t: It; drive: 1 for the six-coordinate form, 0 for the reduced one;
+ratio: rb1 / rb2; inertia_t: It; psi_1, psi_2: rb / I;
+th1_psi, th2_psi: what psi adds to th1 and takes from th2;
+drive: 1 for the six-coordinate form, 0 for the reduced one;
 hunting: tooth pairs until the same two teeth meet again."""
 
 
@@ -86,6 +90,20 @@ def pack(pair: GearPair, rtol: float, atol: float, drive: bool = True) -> np.nda
         'damping_in_gap': pair.damping_in_gap,
         'drive': drive,
         'hunting': math.lcm(pair.pinion_teeth, pair.gear_teeth),
+    }
+    values |= {
+        'inv_m1': 1 / values['m1'],
+        'inv_m2': 1 / values['m2'],
+        'inv_me': 1 / values['me'],
+        'inv_it': 1 / inertia_t,
+        'c1_m': values['c1'] / values['m1'],
+        'c2_m': values['c2'] / values['m2'],
+        'k1_m': values['k1'] / values['m1'],
+        'k2_m': values['k2'] / values['m2'],
+        'psi_1': values['rb1'] / values['inertia1'],
+        'psi_2': values['rb2'] / values['inertia2'],
+        'th1_psi': ratio * values['inertia2'] / (values['rb2'] * inertia_t),
+        'th2_psi': values['inertia1'] / (values['rb2'] * inertia_t),
     }
     packed = np.zeros(1, CONSTANTS)
     for name, value in values.items():

@@ -8,7 +8,7 @@ import numba
 import numpy as np
 
 from gear_dynamics.model.lanes import LANES, eighths
-from gear_dynamics.model.series import value_and_slope
+from gear_dynamics.model.series import polynomial
 
 DRIVE, GAP, BACK = 1, 0, -1
 """Contact states of a tooth pair: on the drive flank, in the backlash gap, on the back flank."""
@@ -30,11 +30,11 @@ def contact_state(delta, slope, b):
 
 
 @numba.njit(cache=True)
-def _root(g, level, sign, inside, outside):
+def _root(g, row, level, sign, inside, outside):
     """Return where sign (g - level) falls to zero between the times inside and outside."""
     t = 0.5 * (inside + outside)
     for _ in range(100):
-        value, slope = value_and_slope(g, t)
+        value, slope = polynomial(g, row, t)
         value -= level
         if sign * value > 0:
             inside = t
@@ -50,17 +50,17 @@ def _root(g, level, sign, inside, outside):
 
 
 @numba.njit(cache=True)
-def _extremum(g, low, high):
+def _extremum(g, row, low, high):
     """Return where the slope of g, of opposite signs at low and high, is zero.
 
     Regula falsi, with the stale end's weight halved (Illinois).
     """
-    slope_low, slope_high = value_and_slope(g, low)[1], value_and_slope(g, high)[1]
+    slope_low, slope_high = polynomial(g, row, low)[1], polynomial(g, row, high)[1]
     t = high
     for _ in range(60):
         before = t
         t = (low * slope_high - high * slope_low) / (slope_high - slope_low)
-        slope = value_and_slope(g, t)[1]
+        slope = polynomial(g, row, t)[1]
         if slope == 0.0 or abs(t - before) <= 1e-12 * high:
             break
         if (slope > 0) == (slope_high > 0):
@@ -73,7 +73,7 @@ def _extremum(g, low, high):
 
 
 @numba.njit(cache=True)
-def _exit(g, level, sign, near, ta, ga, sa, tb, gb, sb):
+def _exit(g, row, level, sign, near, ta, ga, sa, tb, gb, sb):
     """Return the first time in [ta, tb] at which sign (g - level) turns negative, or inf.
 
     ga, sa, gb, sb: value and slope of g at ta and tb. A value nearer than `near` to the level at ta
@@ -86,26 +86,40 @@ def _exit(g, level, sign, near, ta, ga, sa, tb, gb, sb):
             return ta
         if ub >= 0:
             return math.inf
-        return _root(g, level, sign, _extremum(g, ta, tb) if va > 0 > vb else ta, tb)
+        return _root(g, row, level, sign, _extremum(g, row, ta, tb) if va > 0 > vb else ta, tb)
     if ub < 0:
-        return _root(g, level, sign, ta, tb)
+        return _root(g, row, level, sign, ta, tb)
     # Between slopes va and vb the dip below the ends is at most a quarter of (vb - va) (tb - ta)
     # where g is convex; twice that leaves room for an inflection.
     if va < 0 < vb and min(ua, ub) <= 0.5 * (vb - va) * (tb - ta):
-        lowest = _extremum(g, ta, tb)
-        if sign * (value_and_slope(g, lowest)[0] - level) < 0:
-            return _root(g, level, sign, ta, lowest)
+        lowest = _extremum(g, row, ta, tb)
+        if sign * (polynomial(g, row, lowest)[0] - level) < 0:
+            return _root(g, row, level, sign, ta, lowest)
     return math.inf
 
 
 @numba.njit(cache=True)
-def first_change(g, h, state, b, work):
+def _stays_above(level, value, slope, h, work):
+    """Return whether, by a wide margin, g stays above level: the common case, told quickly.
+
+    Between two points g falls below the lower of them by no more than the steepest slope allows.
+    """
+    lowest, steepest = value, abs(slope)
+    for j in range(LANES):
+        lowest = min(lowest, work[0, j])
+        steepest = max(steepest, abs(work[1, j]))
+    return lowest - level > steepest * h / LANES
+
+
+@numba.njit(cache=True)
+def first_change(g, row, h, state, b, work):
     """Return the first instant in [0, h] at which a pair's contact changes, and its next state.
 
     Parameters
     ----------
-    g : (ROWS,) array
-        Series of the pair's delta_i.
+    g : (n, ROWS) array
+    row : int
+        The row of g that is the series of the pair's delta_i.
     h : float
         Length of the step [s].
     state : int
@@ -121,22 +135,24 @@ def first_change(g, h, state, b, work):
         t is inf if the state lasts.
     """
     near = _NEAR * b
-    eighths(g, h, work)
-    gb, sb, tb = g[0], g[1], 0.0
+    eighths(g, row, h, work)
+    gb, sb, tb = g[row, 0], g[row, 1], 0.0
+    if state == DRIVE and _stays_above(b, gb, sb, h, work):
+        return math.inf, state
     for j in range(LANES):
         ga, sa, ta = gb, sb, tb
         gb, sb, tb = work[0, j], work[1, j], h * ((j + 1) / LANES)
         if state == DRIVE:
-            t = _exit(g, b, 1.0, near, ta, ga, sa, tb, gb, sb)
+            t = _exit(g, row, b, 1.0, near, ta, ga, sa, tb, gb, sb)
             if t < math.inf:
                 return t, GAP
         elif state == BACK:
-            t = _exit(g, -b, -1.0, near, ta, ga, sa, tb, gb, sb)
+            t = _exit(g, row, -b, -1.0, near, ta, ga, sa, tb, gb, sb)
             if t < math.inf:
                 return t, GAP
         else:
-            rises = _exit(g, b, -1.0, near, ta, ga, sa, tb, gb, sb)
-            falls = _exit(g, -b, 1.0, near, ta, ga, sa, tb, gb, sb)
+            rises = _exit(g, row, b, -1.0, near, ta, ga, sa, tb, gb, sb)
+            falls = _exit(g, row, -b, 1.0, near, ta, ga, sa, tb, gb, sb)
             if rises < math.inf or falls < math.inf:
                 return (rises, DRIVE) if rises <= falls else (falls, BACK)
     return math.inf, state

@@ -113,25 +113,27 @@ def columns_at_four(typing_context, series, t0, t1, t2, t3, out):
 
 
 @intrinsic
-def eighths(typing_context, polynomial, h, out):
-    """Put one polynomial and its slope at h/8, 2h/8, ..., h into rows 0 and 1 of `out`.
+def eighths(typing_context, polynomials, row, h, out):
+    """Put a polynomial and its slope at h/8, 2h/8, ..., h into rows 0 and 1 of `out`.
 
-    polynomial : (ROWS,) array; out : array with room for 16 numbers.
+    polynomials : (n, ROWS) array, of which the row is taken; out : array with room for 16 numbers.
     """
 
     def generate(context, builder, signature, arguments):
-        polynomial_type, _, out_type = signature.args
-        data = _data(context, builder, polynomial_type, arguments[0])
-        target = _data(context, builder, out_type, arguments[2])
+        polynomials_type, row_type, _, out_type = signature.args
+        data = _data(context, builder, polynomials_type, arguments[0])
+        target = _data(context, builder, out_type, arguments[3])
+        index = context.cast(builder, arguments[1], row_type, types.int64)
+        data = builder.gep(data, [builder.mul(index, ir.Constant(_INT, ROWS))])
         parts = ir.Constant(_VECTOR, [(i + 1) / LANES for i in range(LANES)])
-        times = [builder.fmul(parts, _spread(builder, arguments[1]))]
+        times = [builder.fmul(parts, _spread(builder, arguments[2]))]
         coefficients = [_spread(builder, builder.load(_at(builder, data, k))) for k in range(ROWS)]
         ((value, slope),) = _horner(builder, coefficients, times)
         _store(builder, value, target, 0)
         _store(builder, slope, target, LANES)
         return context.get_dummy_value()
 
-    return types.void(polynomial, h, out), generate
+    return types.void(polynomials, row, h, out), generate
 
 
 @intrinsic
@@ -146,7 +148,8 @@ def weighted_sum(typing_context, weights, rows, first, out):
         weight = _data(context, builder, weights_type, arguments[0])
         data = _data(context, builder, rows_type, arguments[1])
         target = _data(context, builder, out_type, arguments[3])
-        begin = builder.mul(arguments[2], ir.Constant(_INT, 2 * LANES))
+        index = context.cast(builder, arguments[2], signature.args[2], types.int64)
+        begin = builder.mul(index, ir.Constant(_INT, 2 * LANES))
         data = builder.gep(data, [begin])
         sums = [ir.Constant(_VECTOR, [0.0] * LANES)] * 8
         for k in range(TAPS):

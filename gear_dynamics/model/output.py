@@ -64,39 +64,46 @@ def _within_turn(angle):
 
 
 @numba.njit(cache=True)
-def write_samples(p, clock, series, segment, point, angles_every, out):
-    """Write the next one to four samples, all within the present step, to the rows of `out`."""
-    inv_m1, inv_m2 = 1 / p.m1, 1 / p.m2
-    c1, k1, c2, k2 = p.c1 * inv_m1, p.k1 * inv_m1, p.c2 * inv_m2, p.k2 * inv_m2
-    th1_psi = p.ratio * p.inertia2 / (p.rb2 * p.inertia_t)
-    th2_psi = p.inertia1 / (p.rb2 * p.inertia_t)
+def _write_angles(p, clock, tau, psi, q, out, row):
+    z1, z2 = int(p.z1), int(p.z2)
+    phase = clock.phase + p.z1 / TURN * tau * (clock.speed + 0.5 * clock.accel * tau)
+    th1, th2 = q + p.th1_psi * psi, p.ratio * q - p.th2_psi * psi
+    out[row, ANGLE1] = _within_turn(TURN * (clock.cycle % z1 + phase) / p.z1 + th1)
+    out[row, ANGLE2] = _within_turn(TURN * (clock.cycle % z2 + phase) / p.z2 + th2)
+
+
+@numba.njit(cache=True)
+def write_samples(p, clock, series, segment, point, angles_every, out, first, count):
+    """Write the next one to four samples, all within the present step, to rows of `out`."""
     # A sample's time must not depend on which samples are written together with it.
-    t0 = time_of_sample(clock, clock.sample) - clock.begin
-    t1 = time_of_sample(clock, clock.sample + 1) - clock.begin
-    t2 = time_of_sample(clock, clock.sample + 2) - clock.begin
-    t3 = time_of_sample(clock, clock.sample + 3) - clock.begin
+    begin, sample = clock.begin, clock.sample
+    t0 = time_of_sample(clock, sample) - begin
+    t1 = time_of_sample(clock, sample + 1) - begin
+    t2 = time_of_sample(clock, sample + 2) - begin
+    t3 = time_of_sample(clock, sample + 3) - begin
     columns_at_four(series, t0, t1, t2, t3, point)
-    for i in range(out.shape[0]):
-        tau = time_of_sample(clock, clock.sample + i) - clock.begin
-        value, slope = point[2 * i], point[2 * i + 1]
-        delta, delta_dot = value[DELTA], slope[DELTA]
-        force = _operate(segment, SEG_FORCE, clock.degree, tau, delta, delta_dot)
+    inv_m1, inv_m2 = p.inv_m1, p.inv_m2
+    c1, k1, c2, k2 = p.c1_m, p.k1_m, p.c2_m, p.k2_m
+    speed, accel, torque, torque_rate = clock.speed, clock.accel, clock.torque, clock.torque_rate
+    th1_psi, rate, degree, rubs = p.th1_psi, clock.sample_rate, clock.degree, p.mu > 0
+    for i in range(count):
+        tau = t0 if i == 0 else t1 if i == 1 else t2 if i == 2 else t3
+        value, slope, row = 2 * i, 2 * i + 1, first + i
+        delta, delta_dot = point[value, DELTA], point[slope, DELTA]
+        force = _operate(segment, SEG_FORCE, degree, tau, delta, delta_dot)
         friction = 0.0
-        if p.mu > 0:
-            friction = _operate(segment, SEG_FRICTION, clock.degree, tau, delta, delta_dot)
-        row = out[i]
-        row[T] = (clock.sample + i) / clock.sample_rate
-        row[AX1] = friction * inv_m1 - c1 * slope[X1] - k1 * value[X1]
-        row[AY1] = force * inv_m1 - c1 * slope[Y1] - k1 * value[Y1]
-        row[AX2] = -friction * inv_m2 - c2 * slope[X2] - k2 * value[X2]
-        row[AY2] = -force * inv_m2 - c2 * slope[Y2] - k2 * value[Y2]
-        row[FORCE], row[FRICTION] = force, friction
-        row[SAMPLE_DELTA], row[SAMPLE_DELTA_DOT] = delta, delta_dot
-        row[SPEED] = clock.speed + clock.accel * tau + slope[Q] + th1_psi * slope[PSI]
-        row[LOAD] = clock.torque + clock.torque_rate * tau
-        if (clock.sample + i) % angles_every == 0:
-            th1 = value[Q] + th1_psi * value[PSI]
-            th2 = p.ratio * value[Q] - th2_psi * value[PSI]
-            phase = clock.phase + p.z1 / TURN * tau * (clock.speed + 0.5 * clock.accel * tau)
-            row[ANGLE1] = _within_turn(TURN * (clock.cycle % p.z1 + phase) / p.z1 + th1)
-            row[ANGLE2] = _within_turn(TURN * (clock.cycle % p.z2 + phase) / p.z2 + th2)
+        if rubs:
+            friction = _operate(segment, SEG_FRICTION, degree, tau, delta, delta_dot)
+        a_x1 = friction * inv_m1 - c1 * point[slope, X1] - k1 * point[value, X1]
+        a_y1 = force * inv_m1 - c1 * point[slope, Y1] - k1 * point[value, Y1]
+        a_x2 = -friction * inv_m2 - c2 * point[slope, X2] - k2 * point[value, X2]
+        a_y2 = -force * inv_m2 - c2 * point[slope, Y2] - k2 * point[value, Y2]
+        spin = point[slope, Q] + th1_psi * point[slope, PSI]
+        out[row, T] = (sample + i) / rate
+        out[row, AX1], out[row, AY1], out[row, AX2], out[row, AY2] = a_x1, a_y1, a_x2, a_y2
+        out[row, FORCE], out[row, FRICTION] = force, friction
+        out[row, SAMPLE_DELTA], out[row, SAMPLE_DELTA_DOT] = delta, delta_dot
+        out[row, SPEED] = speed + accel * tau + spin
+        out[row, LOAD] = torque + torque_rate * tau
+        if (sample + i) % angles_every == 0:
+            _write_angles(p, clock, tau, point[value, PSI], point[value, Q], out, row)

@@ -35,19 +35,19 @@ _INVERSE = 1.0 / np.arange(1, ORDER + 3)
 
 @numba.njit(cache=True)
 def transmission_error(p, phase, speed, accel, e):
-    """Fill `e` with the series of e(phi) while the pinion turns at speed + accel t."""
+    """Fill row 0 of `e` with the series of e(phi) while the pinion turns at speed + accel t."""
     angle = 2 * math.pi * phase + p.phi0
     rate, ramp = p.z1 * speed, p.z1 * accel
     sine, cosine = p.e_a * math.sin(angle), p.e_a * math.cos(angle)
     if ramp == 0.0:
         for k in range(ROWS):
-            e[k] = sine
+            e[0, k] = sine
             factor = rate * _INVERSE[k]
             sine, cosine = cosine * factor, -sine * factor
         return
     sine_before = cosine_before = 0.0
     for k in range(ROWS):
-        e[k] = sine
+        e[0, k] = sine
         sine_next = (rate * cosine + ramp * cosine_before) * _INVERSE[k]
         cosine_next = -(rate * sine + ramp * sine_before) * _INVERSE[k]
         sine_before, cosine_before = sine, cosine
@@ -72,8 +72,8 @@ def expand(p, y, e, segment, degree, travel, travel_rate, load, load_rate, serie
     ----------
     p : record of CONSTANTS
     y : (STATES,) array
-    e : (ROWS,) array
-        Series of the transmission error; zero for a variation of the motion.
+    e : (n, ROWS) array
+        Row 0: series of the transmission error; zero for a variation of the motion.
     segment : (SEGMENT, WIDTH) array
         Polynomials in time of the mesh; only order 0 is used if `degree` is 0.
     degree : int
@@ -86,9 +86,9 @@ def expand(p, y, e, segment, degree, travel, travel_rate, load, load_rate, serie
     """
     # Everything from records and arrays is read into locals once: a store into `series` might
     # otherwise be taken to change it.
-    inv_m1, inv_m2, inv_me, inv_it = 1 / p.m1, 1 / p.m2, 1 / p.me, 1 / p.inertia_t
-    c1, k1, c2, k2 = p.c1 * inv_m1, p.k1 * inv_m1, p.c2 * inv_m2, p.k2 * inv_m2
-    psi_1, psi_2 = p.rb1 / p.inertia1, p.rb2 / p.inertia2
+    inv_m1, inv_m2, inv_me, inv_it = p.inv_m1, p.inv_m2, p.inv_me, p.inv_it
+    c1, k1, c2, k2 = p.c1_m, p.k1_m, p.c2_m, p.k2_m
+    psi_1, psi_2 = p.psi_1, p.psi_2
     arm_sum, ratio = p.arm_sum, p.ratio
     kd, cd, ki = p.kd, p.cd, p.ki
     drive, rubs = p.drive != 0, p.mu > 0
@@ -99,17 +99,24 @@ def expand(p, y, e, segment, degree, travel, travel_rate, load, load_rate, serie
     x1, y1, x2, y2, psi, q = y[0], y[1], y[2], y[3], y[4], y[5]
     x1n, y1n, x2n, y2n, psin, qn = y[6], y[7], y[8], y[9], y[10], y[11]
     q_sum = y[12]
-    delta = y2 - y1 + psi - e[0]
+    delta, delta_n = y2 - y1 + psi - e[0, 0], y2n - y1n + psin - e[0, 1]
+    # delta'' = lead_k delta + lead_c delta' + lead_o + what does not depend on the orders of delta
+    # just found: a chain of few operations from one order to the next.
+    lightness, net = inv_m1 + inv_m2 + inv_me, psi_1 - psi_2
+    lead_k = net * turn_k + psi_2 * arm_sum * rub_k - lightness * force_k
+    lead_c = net * turn_c + psi_2 * arm_sum * rub_c - lightness * force_c
+    lead_o = net * turn_o + psi_2 * arm_sum * rub_o - lightness * force_o
     load_k, load_next = load / p.rb2, load_rate / p.rb2
     friction = friction_1 = friction_2 = torque1 = torque2 = control = a_q = 0.0
     for k in range(ROWS - 1):
         order = k + 1.0
         inverse = _INVERSE[k]
-        delta_n = y2n - y1n + psin - e[k + 1]
         delta_dot = order * delta_n
         series[k, X1], series[k, Y1], series[k, X2], series[k, Y2] = x1, y1, x2, y2
         series[k, PSI], series[k, Q], series[k, DELTA] = psi, q, delta
         series[k, Q_SUM] = q_sum
+        support1, support2 = c1 * order * y1n + k1 * y1, c2 * order * y2n + k2 * y2
+        rest = support1 - support2 + load_k * inv_me + lead_o
         force = force_k * delta + force_c * delta_dot + force_o
         if degree > 0:
             series[k + 1, DELTA] = delta_n
@@ -120,24 +127,30 @@ def expand(p, y, e, segment, degree, travel, travel_rate, load, load_rate, serie
             if degree > 0:
                 friction += _higher_orders(segment, SEG_FRICTION, k, series)
                 torque1 += _higher_orders(segment, SEG_MOMENT, k, series)
-            torque1 += travel * friction_1 + travel_rate * friction_2
+            moved = travel * friction_1 + travel_rate * friction_2
+            torque1 += moved
+            rest += net * moved
             torque2 = arm_sum * friction - torque1
             friction_2, friction_1 = friction_1, friction
         if drive:
             control = kd * q + cd * order * qn + ki * q_sum
             a_q = (torque1 - ratio * torque2 - control) * inv_it
+            rest -= psi_1 * control
             q_sum = q * inverse
         a_psi = (load_k - force) * inv_me + psi_1 * (torque1 - control) + psi_2 * torque2
         twice = inverse * _INVERSE[k + 1]
         x1, x1n = x1n, (friction * inv_m1 - c1 * order * x1n - k1 * x1) * twice
-        y1, y1n = y1n, (force * inv_m1 - c1 * order * y1n - k1 * y1) * twice
+        y1, y1n = y1n, (force * inv_m1 - support1) * twice
         x2, x2n = x2n, (-friction * inv_m2 - c2 * order * x2n - k2 * x2) * twice
-        y2, y2n = y2n, (-force * inv_m2 - c2 * order * y2n - k2 * y2) * twice
+        y2, y2n = y2n, (-force * inv_m2 - support2) * twice
         psi, psin = psin, a_psi * twice
         q, qn = qn, a_q * twice
-        delta = delta_n
+        following = twice * (lead_k * delta + lead_c * delta_dot + rest)
+        if degree > 0:
+            following = y2n - y1n + psin
+        delta, delta_n = delta_n, following - e[0, min(k + 2, ROWS - 1)]
         load_k, load_next = load_next, 0.0
-        force_o = rub_o = turn_o = 0.0
+        force_o = rub_o = turn_o = lead_o = 0.0
     k = ROWS - 1
     series[k, X1], series[k, Y1], series[k, X2], series[k, Y2] = x1, y1, x2, y2
     series[k, PSI], series[k, Q], series[k, DELTA] = psi, q, delta
@@ -154,12 +167,23 @@ def advance_state(series, t, y, point):
 
 
 @numba.njit(cache=True)
-def value_and_slope(g, t):
-    """Return the polynomial g and its derivative at t."""
-    value, slope = g[g.size - 1], 0.0
-    for k in range(g.size - 2, -1, -1):
+def value_and_slope(series, column, t):
+    """Return a column of the series and its derivative at t."""
+    value, slope = series[ROWS - 1, column], 0.0
+    for k in range(ROWS - 2, -1, -1):
         slope = slope * t + value
-        value = value * t + g[k]
+        value = value * t + series[k, column]
+    return value, slope
+
+
+@numba.njit(cache=True)
+def polynomial(rows, row, t):
+    """Return the polynomial whose coefficients are a row, and its derivative, at t."""
+    last = rows.shape[1] - 1
+    value, slope = rows[row, last], 0.0
+    for k in range(last - 1, -1, -1):
+        slope = slope * t + value
+        value = value * t + rows[row, k]
     return value, slope
 
 
@@ -167,9 +191,9 @@ def value_and_slope(g, t):
 def step_size(p, series, y):
     """Return the step [s] whose local error meets the tolerance.
 
-    The last two orders of the velocities' series are held to atol + rtol |state|, each scaled by
-    b wn (b / rb for angles); positions are then better by a factor of the order. (Jorba and Zou,
-    2005, section 3.2.)
+    The last two orders of the accelerations' series are held to a tenth of atol + rtol |state|,
+    each scaled by b and wn (b / rb for angles); velocities and positions are then better still.
+    (Jorba and Zou, 2005, section 3.2.)
     """
     size = last = before = 0.0
     turn = p.rb1
@@ -179,10 +203,12 @@ def step_size(p, series, y):
         size = max(size, scale * abs(y[j]), scale * inv_wn * abs(y[6 + j]))
         last = max(last, scale * abs(series[ROWS - 1, j]))
         before = max(before, scale * abs(series[ROWS - 2, j]))
-    tolerance = (p.atol * p.b + p.rtol * size) * p.wn
+    tolerance = 0.1 * (p.atol * p.b + p.rtol * size) * p.wn**2
     step = math.inf
     if last > 0:
-        step = (tolerance / ((ROWS - 1) * last)) ** (1.0 / (ROWS - 2))
+        ratio = tolerance / ((ROWS - 1) * (ROWS - 2) * last)
+        step = ratio ** (1.0 / (ROWS - 3))
     if before > 0:
-        step = min(step, (tolerance / ((ROWS - 2) * before)) ** (1.0 / (ROWS - 3)))
+        ratio = tolerance / ((ROWS - 2) * (ROWS - 3) * before)
+        step = min(step, ratio ** (1.0 / (ROWS - 4)))
     return step

@@ -7,12 +7,13 @@ import math
 import numba
 
 from gear_dynamics.model.contact import GAP, contact_state, first_change
-from gear_dynamics.model.layout import DELTA, SEG_ERROR, WIDTH
+from gear_dynamics.model.layout import DELTA, ROWS, SEG_ERROR, WIDTH
 from gear_dynamics.model.output import time_of_sample, write_samples
 from gear_dynamics.model.segment import fill_segment
 from gear_dynamics.model.series import (
     advance_state,
     expand,
+    polynomial,
     step_size,
     transmission_error,
     value_and_slope,
@@ -28,7 +29,7 @@ LONGEST_STEP = 0.05
 """The longest step [s]; only a pair at rest comes near it."""
 
 _TINY = 1e-9
-_MANY = 10000
+MANY_TINY_STEPS = 10000
 _EVENTS_PER_STEP = 4
 
 
@@ -41,7 +42,7 @@ def _phase_at(p, clock, t):
 
 
 @numba.njit(cache=True)
-def _time_of(p, clock, phase):
+def time_of_phase(p, clock, phase):
     """Return when the mesh phase (in the present cycle) is reached, or inf if it never is."""
     ahead = phase + (clock.cycle - clock.anchor_cycle) - clock.anchor_phase
     turn = 2 * math.pi / p.z1 * ahead
@@ -89,10 +90,10 @@ def _pass_section(p, clock, series, until, wraps, events):
     """Emit the section state if the section phase is passed before `until` [s into the step]."""
     if clock.section_cycle > clock.cycle:
         return
-    tau = _time_of(p, clock, clock.section_phase) - clock.begin
+    tau = time_of_phase(p, clock, clock.section_phase) - clock.begin
     if tau < until or wraps:
         tau = min(max(tau, 0.0), until)
-        delta, delta_dot = value_and_slope(series[:, DELTA], tau)
+        delta, delta_dot = value_and_slope(series, DELTA, tau)
         pair = clock.cycle % p.hunting
         _emit(clock, events, tau, 0, pair, delta, delta_dot, clock.section_phase)
         clock.section_cycle = clock.cycle + 1
@@ -119,8 +120,8 @@ def _change_contact(p, clock, zone, series, segment, events):
             continue
         kind = _flank_event(before, after)
         impact = impact or kind == 4
-        delta, delta_dot = value_and_slope(series[:, DELTA], clock.length)
-        error, error_dot = value_and_slope(segment[SEG_ERROR + ahead], clock.length)
+        delta, delta_dot = value_and_slope(series, DELTA, clock.length)
+        error, error_dot = polynomial(segment, SEG_ERROR + ahead, clock.length)
         pair = (clock.cycle - ahead) % p.hunting
         _emit(clock, events, clock.length, kind, pair, delta - error, delta_dot - error_dot, phase)
     clock.contact_a, clock.contact_b = clock.next_a, clock.next_b
@@ -146,7 +147,7 @@ def _enter_zone(p, clock, zones, profiles):
 
 
 @numba.njit(cache=True)
-def _end_step(p, clock, zones, profiles, y, series, segment, point, events):
+def end_step(p, clock, zones, profiles, y, series, segment, point, events):
     """Put the state at the end of the present step, and do what happens there."""
     clock.steps += 1
     wraps = clock.ending == MESH and clock.zone == zones.size - 1
@@ -174,26 +175,28 @@ def _end_step(p, clock, zones, profiles, y, series, segment, point, events):
 
 
 @numba.njit(cache=True)
-def _pair_series(series, segment, ahead, g):
-    """Fill g with the series of the pair's own relative displacement delta_i."""
-    for k in range(g.size):
-        g[k] = series[k, DELTA]
-        if k < WIDTH:
-            g[k] -= segment[SEG_ERROR + ahead, k]
+def _pair_change(clock, profiles, series, error, segment, ahead, state, b, work):
+    """Return when the contact of pair A (ahead 0) or B (ahead 1) changes, and its next state."""
+    row = 1 + ahead
+    for k in range(ROWS):
+        error[row, k] = series[k, DELTA]
+    if profiles.size > 0:
+        for k in range(WIDTH):
+            error[row, k] -= segment[SEG_ERROR + ahead, k]
+    return first_change(error, row, clock.length, state, b, work)
 
 
 @numba.njit(cache=True)
 def _find_contact_change(p, clock, zone, profiles, series, error, segment, work):
     """Cut the present step at the first change of contact."""
-    clock.next_a, clock.next_b = clock.contact_a, clock.contact_b
-    g = error[1]
-    _pair_series(series, segment, 0, g)
-    t_a, next_a = first_change(g, clock.length, clock.contact_a, p.b, work)
+    a, b = clock.contact_a, clock.contact_b
+    clock.next_a, clock.next_b = a, b
+    t_a, next_a = _pair_change(clock, profiles, series, error, segment, 0, a, p.b, work)
     t_b, next_b = t_a, next_a
-    if profiles.size > 0 and zone.pairs == 2:
-        g = error[2]
-        _pair_series(series, segment, 1, g)
-        t_b, next_b = first_change(g, clock.length, clock.contact_b, p.b, work)
+    if profiles.size > 0:
+        t_b = math.inf
+        if zone.pairs == 2:
+            t_b, next_b = _pair_change(clock, profiles, series, error, segment, 1, b, p.b, work)
     first = min(t_a, t_b)
     if first == math.inf:
         return
@@ -210,8 +213,8 @@ def _choose_length(p, clock, zones, series, y):
     clock.length, clock.ending = min(step_size(p, series, y), LONGEST_STEP), CONTROL
     smallest = 1e-12 / p.wn
     if clock.length < smallest:
-        clock.tiny_steps = _MANY
-    to_mesh = max(_time_of(p, clock, zones[clock.zone].end) - clock.begin, 0.0)
+        clock.tiny_steps = MANY_TINY_STEPS
+    to_mesh = max(time_of_phase(p, clock, zones[clock.zone].end) - clock.begin, 0.0)
     if to_mesh <= clock.length:
         clock.length, clock.ending = to_mesh, MESH
     to_command = min(clock.speed_reached, clock.torque_reached) - clock.begin
@@ -226,7 +229,7 @@ def begin_step(p, clock, zones, profiles, y, series, error, segment, work, enter
         _move_origin(clock)
     zone = zones[clock.zone]
     clock.degree = fill_segment(p, clock, zone, profiles, segment)
-    transmission_error(p, clock.phase, clock.speed, clock.accel, error[0])
+    transmission_error(p, clock.phase, clock.speed, clock.accel, error)
     if entered:
         delta = y[3] - y[1] + y[4] - error[0, 0] - segment[SEG_ERROR, 0]
         slope = y[9] - y[7] + y[10] - error[0, 1] - segment[SEG_ERROR, 1]
@@ -237,7 +240,7 @@ def begin_step(p, clock, zones, profiles, y, series, error, segment, work, enter
     expand(
         p,
         y,
-        error[0],
+        error,
         segment,
         clock.degree,
         turn * clock.speed,
@@ -266,7 +269,7 @@ def run(p, clock, zones, profiles, y, series, error, segment, work, point, event
     while True:
         if clock.length < 0:
             begin_step(p, clock, zones, profiles, y, series, error, segment, work, entered)
-            if clock.tiny_steps >= _MANY:
+            if clock.tiny_steps >= MANY_TINY_STEPS:
                 return STUCK
             if not math.isfinite(series[1, DELTA] + clock.length):
                 return NOT_FINITE
@@ -274,7 +277,7 @@ def run(p, clock, zones, profiles, y, series, error, segment, work, point, event
             return DONE
         if clock.events > events.size - _EVENTS_PER_STEP:
             return EVENTS_FULL
-        entered = _end_step(p, clock, zones, profiles, y, series, segment, point, events)
+        entered = end_step(p, clock, zones, profiles, y, series, segment, point, events)
         clock.length = -1.0
 
 
@@ -321,7 +324,7 @@ def fill_samples(
         end = clock.begin + clock.length
         while time_of_sample(clock, clock.sample + together - 1) >= end:
             together -= 1
-        write_samples(p, clock, series, segment, point, angles_every, out[i : i + together])
+        write_samples(p, clock, series, segment, point, angles_every, out, i, together)
         clock.sample += together
         i += together
     return count, DONE
