@@ -181,7 +181,9 @@ class ReplaySettings(ParameterSet):
     duration: float = parameter(
         0.0, 'how much to play; 0 is to the end', unit='s', minimum=0.0, maximum=1e9
     )
-    topics: list[str] = parameter([], 'topics to play, as they are named in the log; none is all')
+    topics: list[str] = parameter(  # noqa: RUF009 (copied for each set)
+        [], 'topics to play, as they are named in the log; none is all'
+    )
     paused: bool = parameter(False, 'whether it begins paused')
     publish_clock: bool = parameter(False, 'whether /clock is published for use_sim_time')
 

@@ -30,6 +30,10 @@ class NodeError(Exception):
     """A node cannot go on; the message is the one line that the user sees."""
 
 
+class NodeDone(Exception):
+    """Raised by a callback when the node has nothing left to do: it ends in good order."""
+
+
 class Part(Protocol):
     """What runs inside a node: made of the node and its parameters, closed at the end."""
 
@@ -44,7 +48,7 @@ def run_node(
     make: Callable[[Node, NodeParameters], Part],
     argv: Sequence[str] | None = None,
 ) -> int:
-    """Run a node until SIGINT, SIGTERM or `NodeError`.
+    """Run a node until SIGINT, SIGTERM, `NodeDone` or `NodeError`.
 
     Parameters
     ----------
@@ -63,7 +67,8 @@ def run_node(
     Returns
     -------
     int
-        Exit code: 0 after a signal, 1 if the node could not go on, 2 for wrong input at start.
+        Exit code: 0 after a signal or when it is done, 1 if the node could not go on, 2 for
+        wrong input at start.
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
     if {'-h', '--help'} & set(arguments[: _ros_start(arguments)]):
@@ -170,6 +175,8 @@ def _spin(node: Node, stop: StopFlag) -> None:
     try:
         while not stop and rclpy.ok():
             executor.spin_once(timeout_sec=0.1)
+    except NodeDone:
+        return
     finally:
         executor.shutdown()
 

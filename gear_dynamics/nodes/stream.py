@@ -9,9 +9,8 @@ from rclpy.qos import HistoryPolicy, QoSProfile
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import PointCloud2
 
-from gear_dynamics.bag.messages import message_class, serialize
 from gear_dynamics.bag.tables import columns_as_float32, encode_table
-from gear_dynamics.nodes.pacing import SECOND
+from gear_dynamics.nodes.publishing import clock_bytes, try_publish
 
 FRAME = 'line_of_action'
 
@@ -63,31 +62,15 @@ class Stream:
             (self._events, encode_table(events, stamp_ns, FRAME)),
         ]
         if self._clock is not None:
-            self._waiting.append((self._clock, _clock_bytes(end_ns)))
+            self._waiting.append((self._clock, clock_bytes(end_ns)))
 
     def publish(self) -> bool:
         """Publish what was taken; return whether all of it went out.
 
-        With keep-all, a listener that is too far behind makes the middleware refuse the message
-        after a while (100 ms); what was refused waits for the next call.
+        What a listener far behind holds up waits for the next call.
         """
         while self._waiting:
-            publisher, data = self._waiting[0]
-            try:
-                publisher.publish(data)
-            except Exception as error:  # RCLError is a private class of the extension
-                if 'publish' not in str(error):
-                    raise
+            if not try_publish(*self._waiting[0]):
                 return False
             del self._waiting[0]
         return True
-
-    @property
-    def listeners(self) -> int:
-        """How many listen to the samples."""
-        return self._samples.get_subscription_count()
-
-
-def _clock_bytes(stamp_ns: int) -> bytes:
-    time = message_class('builtin_interfaces/msg/Time')(*divmod(stamp_ns, SECOND))
-    return serialize(message_class('rosgraph_msgs/msg/Clock')(time))
