@@ -21,7 +21,7 @@ def table() -> str:
         nodes = ' and '.join(f'`{node}`' for node in NODES if each in NODES[node])
         what = (each.__doc__ or '').partition('\n')[0]
         rows = [_row(about) for about in each.parameters()]
-        parts.append('\n'.join([f'{nodes}: {what}', '', *HEAD, *rows]))
+        parts.append('\n'.join([f'**{nodes}**: {what}', '', *HEAD, *rows]))
     return '\n\n'.join(parts)
 
 
@@ -57,6 +57,8 @@ def _range(about: Parameter) -> str:
 def _text(value: Value) -> str:
     if isinstance(value, bool):
         return str(value).lower()
+    if isinstance(value, int | float) and abs(value) < 1e7 and float(value).is_integer():
+        return f'{value:.0f}'
     if isinstance(value, int | float):
         return f'{value:.6g}'.replace('e+0', 'e').replace('e+', 'e').replace('e-0', 'e-')
     return f'`{value}`' if value else ''
