@@ -61,9 +61,10 @@ def lyapunov_exponent(
     """Return the largest Lyapunov exponent by Rosenstein, Collins and De Luca 1993.
 
     The mean logarithm of the distance between nearest neighbours is followed in time; its slope
-    is the exponent, once the embedding window has passed and until saturation. Neighbours are at
-    least a mean period apart in time; of all pairs the closest quarter is followed, as a short
-    series has too little room for growth otherwise (Kantz 1994 bounds the first distance too).
+    is the exponent, from the end of the embedding window, or half-way if that is sooner, to
+    saturation. Neighbours are at least a mean period apart in time; of all pairs the closest
+    quarter is followed, as a short series has too little room for growth otherwise (Kantz 1994
+    bounds the first distance too).
 
     Parameters
     ----------
@@ -89,8 +90,8 @@ def lyapunov_exponent(
     if len(pairs) < 2 * GROUPS:
         return Lyapunov(math.nan, math.nan, lag, dimension, 0)
     curves = _growth(vectors, pairs, horizon)
-    start = (dimension - 1) * lag
     stop = _half_way(curves.mean(axis=0), _unrelated(vectors))
+    start = min((dimension - 1) * lag, stop // 2)
     if stop - start < 2:
         return Lyapunov(math.nan, math.nan, lag, dimension, 0)
     exponent, uncertainty = _slope(curves[:, start : stop + 1])

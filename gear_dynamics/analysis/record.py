@@ -26,7 +26,7 @@ from gear_dynamics.analysis.results import (
     condition_row,
 )
 from gear_dynamics.analysis.section_task import Motion, SectionTask
-from gear_dynamics.analysis.thresholds import Thresholds
+from gear_dynamics.analysis.thresholds import Level, Thresholds
 from gear_dynamics.analysis.time_tasks import (
     Envelope,
     EnvelopeTask,
@@ -42,6 +42,8 @@ from gear_dynamics.settings import AnalyzerSettings
 EXACT = 'exact, from events'
 INTERPOLATED = 'interpolated between samples: delta to (w h)^4 / 384, delta_dot to (w h)^3 / 125'
 """What the states of a section are; w is the angular frequency of the motion, h the step."""
+
+WITHIN_NOISE = 'no more than noise leaves in such an average: not judged'
 
 
 class Record:
@@ -196,6 +198,9 @@ class Record:
         if average.notes[index]:
             notes['not_a_number'] = average.notes[index]
         message = average.notes[index] or 'within its limits'
+        if average.within_noise[index]:
+            message = WITHIN_NOISE
+            return ConditionRow(CHANNELS[index], Level.OK, message, values, notes)
         return condition_row(CHANNELS[index], values, self._thresholds, notes, message)
 
     def _motion_row(self, motion: Motion, source: str) -> ConditionRow:

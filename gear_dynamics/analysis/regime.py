@@ -27,7 +27,7 @@ class Regime(NamedTuple):
     Attributes
     ----------
     words : str
-        `period-3`, `quasi-periodic`, `chaotic` or `undecided`.
+        `period-3`, `settling to period-3`, `quasi-periodic`, `chaotic` or `undecided`.
     period : int
         In mesh cycles; 0 if not periodic.
     recurrence : float
@@ -78,13 +78,15 @@ def recurrence_period(
 def regime(states: np.ndarray, cycle_rate: float, tolerance: float) -> Regime:
     """Return the regime of a steady motion from its section.
 
-    Periodic by recurrence within `tolerance`; else the 0-1 test tells quasi-periodic from chaotic
-    motion, and the largest Lyapunov exponent is estimated from the first coordinate.
+    Periodic by recurrence within `tolerance`, settling if only the second half recurs; else the
+    0-1 test tells quasi-periodic from chaotic motion, and the largest Lyapunov exponent is
+    estimated from the first coordinate.
 
     Parameters
     ----------
     states : ndarray, shape (count, 2)
-        Successive (delta, delta_dot) on the section, each over the scale of its excursions.
+        Successive (delta, delta_dot) on the section, each over the scale of its excursions; 64 or
+        more.
     cycle_rate : float
         Sections per second [Hz].
     tolerance : float
@@ -93,6 +95,10 @@ def regime(states: np.ndarray, cycle_rate: float, tolerance: float) -> Regime:
     period, distance = recurrence_period(states, tolerance)
     if period:
         return Regime(f'period-{period}', period, distance, math.nan, None)
+    half = states[len(states) // 2 :]
+    period, distance = recurrence_period(half, tolerance)
+    if period:
+        return Regime(f'settling to period-{period}', period, distance, math.nan, None)
     if len(states) < ENOUGH:
         return Regime('undecided', 0, math.nan, math.nan, None)
     series = states[:, 0]
