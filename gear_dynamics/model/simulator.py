@@ -214,7 +214,7 @@ class Simulator:
         given = {'speed': speed, 'load_torque': load_torque}
         self._set({name: value for name, value in given.items() if value is not None})
 
-    def _set(self, values: dict[str, float]) -> None:
+    def _set(self, values: dict[str, Any]) -> None:
         self.settings = dataclasses.replace(self.settings, **values)
         self._interrupt()
         clock = self._motion.clock[0]
