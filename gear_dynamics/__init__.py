@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from gear_dynamics.bag.reader import read_log
+    from gear_dynamics.model.batch import simulate_batch
     from gear_dynamics.model.parameter import ParameterError
     from gear_dynamics.model.simulator import IntegrationError, Simulator, simulate
     from gear_dynamics.parameter_files import GearPair
@@ -18,6 +19,7 @@ _HOMES = {
     'Simulator': 'gear_dynamics.model.simulator',
     'read_log': 'gear_dynamics.bag.reader',
     'simulate': 'gear_dynamics.model.simulator',
+    'simulate_batch': 'gear_dynamics.model.batch',
 }
 
 __all__ = [
@@ -27,6 +29,7 @@ __all__ = [
     'Simulator',
     'read_log',
     'simulate',
+    'simulate_batch',
 ]
 
 

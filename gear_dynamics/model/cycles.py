@@ -38,7 +38,6 @@ SECTION_DELTA, SECTION_DELTA_DOT, SECTION_STATE = 0, 1, 2
 """Columns of a section: delta [m], delta_dot [m/s], then the integrator's state."""
 
 _SECTION_COLUMNS = SECTION_STATE + STATES
-_MANY_TINY_STEPS = 10000
 
 
 class Cycles(NamedTuple):
@@ -71,9 +70,9 @@ class Cycles(NamedTuple):
 
 
 @numba.njit(cache=True)
-def _write_section(p, clock, y, series, point, section):
-    """Write the state where the section phase is passed, if that is in the present step."""
-    tau = stepper._time_of(p, clock, clock.section_phase) - clock.begin
+def _write_section(p, clock, series, point, section):
+    """Write the state at the section phase, or at the end of the step if that is before it."""
+    tau = stepper.time_of_phase(p, clock, clock.section_phase) - clock.begin
     columns_at(series, min(max(tau, 0.0), clock.length), point)
     section[SECTION_DELTA], section[SECTION_DELTA_DOT] = point[0, DELTA], point[1, DELTA]
     for j in range(6):
@@ -84,7 +83,7 @@ def _write_section(p, clock, y, series, point, section):
 
 @numba.njit(cache=True)
 def _write_due_samples(p, clock, series, segment, point, out):
-    """Write all samples within the present step to the rows of `out`, from row `sample` on."""
+    """Write the samples within the present step to their rows of `out`."""
     end = clock.begin + clock.length
     while clock.sample < out.shape[0]:
         together = min(out.shape[0] - clock.sample, 4)
@@ -92,8 +91,7 @@ def _write_due_samples(p, clock, series, segment, point, out):
             together -= 1
         if together == 0:
             return
-        rows = out[clock.sample : clock.sample + together]
-        write_samples(p, clock, series, segment, point, 1, rows)
+        write_samples(p, clock, series, segment, point, 1, out, clock.sample, together)
         clock.sample += together
 
 
@@ -124,7 +122,7 @@ def _vary_contact(p, clock, zones, profiles, segment, length, vectors):
 
 
 @numba.njit(cache=True)
-def _run_cycle(
+def run_cycle(
     p,
     clock,
     zones,
@@ -146,17 +144,17 @@ def _run_cycle(
     cycle = clock.cycle
     while clock.cycle == cycle:
         stepper.begin_step(p, clock, zones, profiles, y, series, error, segment, work, False)
-        if clock.tiny_steps >= _MANY_TINY_STEPS:
+        if clock.tiny_steps >= stepper.MANY_TINY_STEPS:
             return stepper.STUCK
         if not math.isfinite(series[1, DELTA] + clock.length):
             return stepper.NOT_FINITE
         _write_due_samples(p, clock, series, segment, point, out)
         if vectors.shape[0] > 0:
             divergence[0] += _vary(p, clock, segment, vectors)
-        length, to_pass = clock.length, clock.section_cycle <= cycle
-        if to_pass:
-            _write_section(p, clock, y, series, point, section)
-        stepper._end_step(p, clock, zones, profiles, y, series, segment, point, events)
+        length = clock.length
+        if clock.section_cycle <= cycle:
+            _write_section(p, clock, series, point, section)
+        stepper.end_step(p, clock, zones, profiles, y, series, segment, point, events)
         clock.events = 0
         clock.length = -1.0
         if clock.ending == stepper.CONTACT and vectors.shape[0] > 0:
@@ -189,7 +187,7 @@ def _run_all(
 ):
     for i in numba.prange(status.size):
         for cycle in range(sections.shape[1]):
-            status[i] = _run_cycle(
+            status[i] = run_cycle(
                 constants[i],
                 clock[i],
                 zones[i][: zone_counts[i]],
@@ -209,6 +207,19 @@ def _run_all(
             )
             if status[i] != stepper.DONE:
                 break
+
+
+def settings(
+    speed: float, load_torque: float, section_phase: float, rtol: float, atol: float
+) -> RunSettings:
+    """Return the settings of a run at constant speed and load."""
+    return RunSettings(
+        speed=float(speed),
+        load_torque=float(load_torque),
+        section_phase=section_phase,
+        rtol=rtol,
+        atol=atol,
+    )
 
 
 def run_cycles(
@@ -267,19 +278,14 @@ def run_cycles(
     speeds, load_torques = spread(speeds, n, 'speeds'), spread(load_torques, n, 'load_torques')
     period = 2 * np.pi / (np.array([pair.pinion_teeth for pair in pairs]) * speeds)
     runs = [
-        RunSettings(
-            speed=float(speed),
-            load_torque=float(torque),
-            section_phase=section_phase,
-            rtol=rtol,
-            atol=atol,
-        )
+        settings(speed, torque, section_phase, rtol, atol)
         for speed, torque in zip(speeds, load_torques, strict=True)
     ]
     motion, zone_counts = gather(pairs, runs, drive)
     motion.clock['sample_rate'] = max(samples_per_cycle, 1) / period
     if states is not None:
-        _place(motion, states)
+        motion.state[:] = states
+        _place_all(motion.constants, motion.clock, motion.state)
     vectors = np.zeros((n, 0, VARIED)) if vectors is None else np.array(vectors, dtype=float)
     result = Cycles(
         sections=np.zeros((n, cycles, _SECTION_COLUMNS)),
@@ -306,11 +312,16 @@ def run_cycles(
     return result
 
 
-def _place(motion, states: np.ndarray) -> None:
-    """Begin from given states at mesh phase 0; contact follows from delta."""
-    motion.state[:] = states
-    for p, clock, y in zip(motion.constants, motion.clock, motion.state, strict=True):
-        error = p['e_a'] * math.sin(p['phi0'])
-        error_dot = p['e_a'] * math.cos(p['phi0']) * p['z1'] * clock['speed']
-        delta, delta_dot = y[3] - y[1] + y[4] - error, y[9] - y[7] + y[10] - error_dot
-        clock['contact_a'] = clock['contact_b'] = contact_state(delta, delta_dot, p['b'])
+@numba.njit(cache=True)
+def place_contact(p, clock, y):
+    """Set the contact states that belong to the state y at mesh phase 0."""
+    error = p.e_a * math.sin(p.phi0)
+    error_dot = p.e_a * math.cos(p.phi0) * p.z1 * clock.speed
+    delta, delta_dot = y[3] - y[1] + y[4] - error, y[9] - y[7] + y[10] - error_dot
+    clock.contact_a = clock.contact_b = contact_state(delta, delta_dot, p.b)
+
+
+@numba.njit(cache=True)
+def _place_all(constants, clock, state):
+    for i in range(clock.size):
+        place_contact(constants[i], clock[i], state[i])

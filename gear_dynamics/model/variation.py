@@ -23,9 +23,16 @@ VARIED = 10
 """Numbers in a variation of the reduced motion."""
 
 
+_LONGEST = 5.0
+"""Radians of the fastest mode that a series spans: 5^28 / 28! is 1e-10."""
+
+
 @numba.njit(cache=True)
 def advance_variations(p, segment, travel, h, vectors):
     """Advance each row of `vectors` over a step of h seconds at constant speed.
+
+    The step of the motion itself may be too long for a variation: a mode that the motion does not
+    excite needs no short steps there. It is split by an upper bound of the frequencies.
 
     Parameters
     ----------
@@ -35,8 +42,21 @@ def advance_variations(p, segment, travel, h, vectors):
     travel : float
         Rate at which the arms grow [m/s].
     h : float
-        [s]; series are in t / h, so that they sum to the values at the end.
+        [s].
     vectors : (k, VARIED) array
+    """
+    square = max(p.k1 / p.m1, p.k2 / p.m2)
+    square += segment[SEG_FORCE, 0] * (1 / p.m1 + 1 / p.m2 + 1 / p.me)
+    parts = int(h * math.sqrt(square) / _LONGEST) + 1
+    for part in range(parts):
+        _advance_part(p, segment, travel, part * h / parts, h / parts, vectors)
+
+
+@numba.njit(cache=True)
+def _advance_part(p, segment, travel, since, h, vectors):
+    """Advance over h seconds of the step, `since` its beginning.
+
+    Series are in t / h, so that they sum to the values at the end.
     """
     square = h * h
     c1, k1, c2, k2 = p.c1 / p.m1 * h, p.k1 / p.m1 * square, p.c2 / p.m2 * h, p.k2 / p.m2 * square
@@ -44,7 +64,8 @@ def advance_variations(p, segment, travel, h, vectors):
     psi_1, psi_2 = p.rb1 / p.inertia1 * square, p.rb2 / p.inertia2 * square
     force_k, force_c = segment[SEG_FORCE, 0], segment[SEG_FORCE + 1, 0] / h
     rub_k, rub_c = segment[SEG_FRICTION, 0], segment[SEG_FRICTION + 1, 0] / h
-    turn_k, turn_c = segment[SEG_MOMENT, 0], segment[SEG_MOMENT + 1, 0] / h
+    turn_k = segment[SEG_MOMENT, 0] + travel * since * rub_k
+    turn_c = segment[SEG_MOMENT + 1, 0] / h + travel * since * rub_c
     rubs, shift, rate = p.mu > 0, travel * h, p.wn * h
     for row in range(vectors.shape[0]):
         v = vectors[row]
@@ -105,8 +126,10 @@ def divergence_over_step(p, segment, travel, h):
 
 @numba.njit(cache=True)
 def jump_at_contact(p, force_c, rub_c, turn_c, vectors):
-    """Apply the saltation matrix to each row of `vectors` where the damping rows of F, Ff and the
-    moment jump by force_c, rub_c and turn_c [N s/m, N s]."""
+    """Apply the saltation matrix to each row of `vectors`.
+
+    force_c, rub_c, turn_c : jumps of the damping rows of F and Ff [N s/m] and of the moment [N s].
+    """
     psi_1, psi_2 = p.rb1 / p.inertia1, p.rb2 / p.inertia2
     for row in range(vectors.shape[0]):
         v = vectors[row]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
+
+from gear_dynamics.config_files import config_file
 
 _VARIABLE = 'FASTRTPS_DEFAULT_PROFILES_FILE'
 
@@ -18,11 +19,3 @@ def use_profile() -> None:
     profile = config_file('fastdds.xml')
     if not chosen and profile is not None:
         os.environ[_VARIABLE] = str(profile)
-
-
-def config_file(name: str) -> Path | None:
-    """Return the path of a file of config/, in the source tree or under the install prefix."""
-    root = Path(__file__).resolve().parents[2]
-    candidates = [root / 'config' / name]
-    candidates += [above / 'share' / 'gear_dynamics' / 'config' / name for above in root.parents]
-    return next((path for path in candidates if path.is_file()), None)
