@@ -13,12 +13,13 @@ import numpy as np
 
 from gear_dynamics.analysis.blocks import BlockError, checked_columns
 from gear_dynamics.analysis.gaps import Order, StampCheck
+from gear_dynamics.analysis.interpolation import HALF_WIDTH, interpolate
 from gear_dynamics.analysis.poincare import SECTION, poincare_points, section_from_events
 from gear_dynamics.analysis.record import EXACT, Record
 from gear_dynamics.analysis.results import Result, Span, TableResult
 from gear_dynamics.analysis.thresholds import Thresholds
 from gear_dynamics.configuration import Rig
-from gear_dynamics.model.columns import EVENTS, EventKind
+from gear_dynamics.model.columns import CHANNELS, EVENTS, EventKind
 from gear_dynamics.settings import AnalyzerSettings
 
 PATIENCE = 1.0
@@ -162,3 +163,8 @@ class Monitor:
 def _basis(rig: Rig) -> Rig:
     """Return the rig with what may change in the midst of a record made equal."""
     return dataclasses.replace(rig, wn=1.0, half_backlash=1.0, block_size=1)
+
+
+def warm_up() -> None:
+    """Compile or load what the first block would otherwise have to wait for."""
+    interpolate(np.zeros((2 * HALF_WIDTH + 1, len(CHANNELS) + 1)), np.array([HALF_WIDTH - 0.5]))

@@ -1,0 +1,103 @@
+"""The analyzer's log: which topics go to MCAP, and how the log is doing."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+from rclpy.node import Node
+
+from gear_dynamics.bag.metadata import OfferedQos
+from gear_dynamics.bag.writer import LogWriter
+from gear_dynamics.nodes.diagnostics import Level, Report
+from gear_dynamics.settings import AnalyzerSettings
+
+TABLE = 'sensor_msgs/msg/PointCloud2'
+CONDITION = 'diagnostic_msgs/msg/DiagnosticArray'
+TEXT = 'std_msgs/msg/String'
+NUMBER = 'std_msgs/msg/Float64'
+
+STREAM = OfferedQos(depth=100)
+LATCHED = OfferedQos(depth=1, durability='transient_local')
+PLAIN = OfferedQos()
+
+
+class AnalyzerLog:
+    """Hands message bytes to the log writer, if there is to be a log.
+
+    Parameters
+    ----------
+    node : rclpy.node.Node
+    settings : AnalyzerSettings
+    """
+
+    def __init__(self, node: Node, settings: AnalyzerSettings) -> None:
+        self._node = node
+        self._names: dict[str, str] = {}
+        self._writer = None
+        if settings.log:
+            self._writer = LogWriter(
+                Path(settings.log_directory).expanduser(),
+                {},
+                settings.log_compression,
+                settings.log_split_size,
+                settings.log_split_duration,
+                settings.log_total_cap,
+                settings.log_free_floor,
+            )
+            status = self._writer.status()
+            if status.reason:
+                node.get_logger().error(f'not logging: {status.reason}')
+            else:
+                node.get_logger().info(f'logging to {status.path}')
+
+    def write(
+        self,
+        topic: str,
+        type_name: str,
+        data: bytes,
+        publish_time: int | None = None,
+        qos: OfferedQos = PLAIN,
+    ) -> None:
+        """Log a message as it came or went; `publish_time` [ns] is now by default."""
+        if self._writer is None:
+            return
+        name = self._names.get(topic)
+        if name is None:
+            name = self._names[topic] = self._node.resolve_topic_name(topic)
+        now = time.time_ns()
+        self._writer.write(
+            name, type_name, data, now, now if publish_time is None else publish_time, qos
+        )
+
+    def configure(self, text: str) -> None:
+        """Note the rig's configuration in the log's metadata."""
+        if self._writer is not None:
+            self._writer.configure({'configuration': text})
+
+    def report(self) -> Report:
+        """Return the state of the log for /diagnostics."""
+        if self._writer is None:
+            return Report(Level.OK, 'no log is wanted', {'state': 'off'})
+        status = self._writer.status()
+        values = {
+            'state': status.state,
+            'path': status.path,
+            'bytes': status.bytes,
+            'messages': status.messages,
+            'dropped': status.dropped,
+        }
+        if status.state != 'writing':
+            return Report(Level.ERROR, f'not logging: {status.reason}', values)
+        if status.overflows:
+            return Report(Level.WARN, f'{status.overflows} messages came too fast', values)
+        return Report(Level.OK, 'logging', values)
+
+    def close(self) -> None:
+        """Finish the log with index and metadata."""
+        if self._writer is not None:
+            status = self._writer.close()
+            if status.reason:
+                self._node.get_logger().error(f'the log is not whole: {status.reason}')
+            else:
+                self._node.get_logger().info(f'{status.messages} messages in {status.path}')
