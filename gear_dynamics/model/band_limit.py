@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import functools
 
-import numba
 import numpy as np
 
+from gear_dynamics.model.kernel import kernel
 from gear_dynamics.model.lanes import weighted_sum
 from gear_dynamics.model.layout import (
     ANGLE1,
@@ -43,7 +43,7 @@ def taps() -> np.ndarray:
     return response / response.sum()
 
 
-@numba.njit(cache=True)
+@kernel
 def _decimate(weights, high, made, out):
     """Fill `out` with one filtered row for every OVERSAMPLING rows of `high`."""
     centre = TAPS // 2

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
 
+from gear_dynamics.model.kernel import kernel
 from gear_dynamics.model.lanes import LANES, eighths
 from gear_dynamics.model.series import polynomial
 
@@ -19,7 +19,7 @@ DRIVE, GAP, BACK = 1, 0, -1
 _NEAR = 8 * np.finfo(np.float64).eps
 
 
-@numba.njit(cache=True)
+@kernel
 def contact_state(delta, slope, b):
     """Return the contact state at relative displacement delta; on the edge the slope decides."""
     if delta > b or (delta == b and slope >= 0):
@@ -29,7 +29,7 @@ def contact_state(delta, slope, b):
     return GAP
 
 
-@numba.njit(cache=True)
+@kernel
 def _root(g, row, level, sign, inside, outside):
     """Return where sign (g - level) falls to zero between the times inside and outside."""
     t = 0.5 * (inside + outside)
@@ -49,7 +49,7 @@ def _root(g, row, level, sign, inside, outside):
     return t
 
 
-@numba.njit(cache=True)
+@kernel
 def _extremum(g, row, low, high):
     """Return where the slope of g, of opposite signs at low and high, is zero.
 
@@ -72,7 +72,7 @@ def _extremum(g, row, low, high):
     return t
 
 
-@numba.njit(cache=True)
+@kernel
 def _exit(g, row, level, sign, near, ta, ga, sa, tb, gb, sb):
     """Return the first time in [ta, tb] at which sign (g - level) turns negative, or inf.
 
@@ -98,7 +98,7 @@ def _exit(g, row, level, sign, near, ta, ga, sa, tb, gb, sb):
     return math.inf
 
 
-@numba.njit(cache=True)
+@kernel
 def _stays_above(level, value, slope, h, work):
     """Return whether, by a wide margin, g stays above level: the common case, told quickly.
 
@@ -111,7 +111,7 @@ def _stays_above(level, value, slope, h, work):
     return lowest - level > steepest * h / LANES
 
 
-@numba.njit(cache=True)
+@kernel
 def first_change(g, row, h, state, b, work):
     """Return the first instant in [0, h] at which a pair's contact changes, and its next state.
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 
-import numba
-
+from gear_dynamics.model.kernel import kernel
 from gear_dynamics.model.lanes import columns_at_four
 from gear_dynamics.model.layout import (
     ANGLE1,
@@ -36,13 +35,13 @@ from gear_dynamics.model.layout import (
 TURN = 2 * math.pi
 
 
-@numba.njit(cache=True)
+@kernel
 def time_of_sample(clock, sample):
     """Return the instant of a sample [s since origin]."""
     return (sample - clock.origin) / clock.sample_rate
 
 
-@numba.njit(cache=True)
+@kernel
 def _operate(segment, row, degree, t, delta, delta_dot):
     """Return  stiffness(t) delta + damping(t) delta' + offset(t)  of the segment's rows."""
     if degree == 0:
@@ -55,7 +54,7 @@ def _operate(segment, row, degree, t, delta, delta_dot):
     return stiffness * delta + damping * delta_dot + offset
 
 
-@numba.njit(cache=True)
+@kernel
 def _within_turn(angle):
     """Return an angle in [0, 2 pi); it is at most a turn off."""
     if angle < 0:
@@ -63,7 +62,7 @@ def _within_turn(angle):
     return angle - TURN if angle >= TURN else angle
 
 
-@numba.njit(cache=True)
+@kernel
 def _write_angles(p, clock, tau, psi, q, out, row):
     z1, z2 = int(p.z1), int(p.z2)
     phase = clock.phase + p.z1 / TURN * tau * (clock.speed + 0.5 * clock.accel * tau)
@@ -72,7 +71,7 @@ def _write_angles(p, clock, tau, psi, q, out, row):
     out[row, ANGLE2] = _within_turn(TURN * (clock.cycle % z2 + phase) / p.z2 + th2)
 
 
-@numba.njit(cache=True)
+@kernel
 def write_samples(p, clock, series, segment, point, angles_every, out, first, count):
     """Write the next one to four samples, all within the present step, to rows of `out`."""
     # A sample's time must not depend on which samples are written together with it.

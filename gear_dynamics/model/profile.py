@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import math
 
-import numba
-
+from gear_dynamics.model.kernel import kernel
 from gear_dynamics.model.layout import SEG_ERROR, SEG_PAIR
 from gear_dynamics.model.mesh import DEGREE
 
 _SPAN = 2 * DEGREE + 1
 
 
-@numba.njit(cache=True)
+@kernel
 def _applies(p, clock, zone, profile, ahead):
     """Return whether a profile row holds for pair A (ahead 0) or B (ahead 1) in this zone."""
     pair = clock.cycle - ahead
@@ -25,7 +24,7 @@ def _applies(p, clock, zone, profile, ahead):
     )
 
 
-@numba.njit(cache=True)
+@kernel
 def has_profile(p, clock, zone, profiles, ahead):
     """Return whether any profile row holds for the pair in this zone."""
     for i in range(profiles.size):
@@ -34,7 +33,7 @@ def has_profile(p, clock, zone, profiles, ahead):
     return False
 
 
-@numba.njit(cache=True)
+@kernel
 def _compose(coefficients, position, rate, ramp, factor, out):
     """Add factor times the polynomial in s = position + rate t + ramp t^2 to `out`, in t."""
     value = (coefficients[DEGREE], 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -52,7 +51,7 @@ def _compose(coefficients, position, rate, ramp, factor, out):
         out[j] += factor * value[j]
 
 
-@numba.njit(cache=True)
+@kernel
 def fill_profiled_pair(p, clock, zone, profiles, ahead, stiffness, damping, contact, segment):
     """Fill the rows of the pair's own stiffness, damping, offset and flank error."""
     position = (clock.phase + ahead) * p.pitch

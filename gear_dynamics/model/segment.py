@@ -7,14 +7,13 @@ the pairs each is stiffness(t) x + damping(t) x' + offset(t): three rows of a se
 
 from __future__ import annotations
 
-import numba
-
 from gear_dynamics.model.contact import GAP
+from gear_dynamics.model.kernel import kernel
 from gear_dynamics.model.layout import SEG_FORCE, SEG_FRICTION, SEG_MOMENT, SEG_PAIR, WIDTH
 from gear_dynamics.model.profile import fill_profiled_pair, has_profile
 
 
-@numba.njit(cache=True)
+@kernel
 def fill_segment(p, clock, zone, profiles, segment):
     """Fill `segment` for the step that begins now; return the degree of its polynomials."""
     segment[:, 0] = 0.0

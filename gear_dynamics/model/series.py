@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
 
+from gear_dynamics.model.kernel import kernel
 from gear_dynamics.model.lanes import columns_at
 from gear_dynamics.model.layout import (
     DELTA,
@@ -33,7 +33,7 @@ from gear_dynamics.model.layout import (
 _INVERSE = 1.0 / np.arange(1, ORDER + 3)
 
 
-@numba.njit(cache=True)
+@kernel
 def transmission_error(p, phase, speed, accel, e):
     """Fill row 0 of `e` with the series of e(phi) while the pinion turns at speed + accel t."""
     angle = 2 * math.pi * phase + p.phi0
@@ -54,7 +54,7 @@ def transmission_error(p, phase, speed, accel, e):
         sine, cosine = sine_next, cosine_next
 
 
-@numba.njit(cache=True)
+@kernel
 def _higher_orders(segment, row, k, series):
     """Return what the segment's orders above 0 add to order k of a force or moment."""
     total = segment[row + 2, k] if 0 < k < WIDTH else 0.0
@@ -64,7 +64,7 @@ def _higher_orders(segment, row, k, series):
     return total
 
 
-@numba.njit(cache=True)
+@kernel
 def expand(p, y, e, segment, degree, travel, travel_rate, load, load_rate, series):
     """Fill `series` with the Taylor series of the motion from state `y`.
 
@@ -157,7 +157,7 @@ def expand(p, y, e, segment, degree, travel, travel_rate, load, load_rate, serie
     series[k, Q_SUM] = q_sum
 
 
-@numba.njit(cache=True)
+@kernel
 def advance_state(series, t, y, point):
     """Replace the state y at the beginning of the series by that at time t."""
     columns_at(series, t, point)
@@ -166,7 +166,7 @@ def advance_state(series, t, y, point):
     y[12] = point[0, Q_SUM]
 
 
-@numba.njit(cache=True)
+@kernel
 def value_and_slope(series, column, t):
     """Return a column of the series and its derivative at t."""
     value, slope = series[ROWS - 1, column], 0.0
@@ -176,7 +176,7 @@ def value_and_slope(series, column, t):
     return value, slope
 
 
-@numba.njit(cache=True)
+@kernel
 def polynomial(rows, row, t):
     """Return the polynomial whose coefficients are a row, and its derivative, at t."""
     last = rows.shape[1] - 1
@@ -187,7 +187,7 @@ def polynomial(rows, row, t):
     return value, slope
 
 
-@numba.njit(cache=True)
+@kernel
 def step_size(p, series, y):
     """Return the step [s] whose local error meets the tolerance.
 

@@ -6,7 +6,6 @@ import dataclasses
 import math
 from typing import Any
 
-import numba
 import numpy as np
 
 from gear_dynamics.model import contact, mesh, stepper
@@ -14,6 +13,7 @@ from gear_dynamics.model.band_limit import BandLimiter
 from gear_dynamics.model.columns import EVENTS, SAMPLE_COLUMNS, SAMPLES
 from gear_dynamics.model.constants import pack
 from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.kernel import kernel
 from gear_dynamics.model.layout import HIGH_RATE_COLUMNS, OVERSAMPLING
 from gear_dynamics.model.motion import at_rest
 from gear_dynamics.model.parameter import ParameterError
@@ -26,7 +26,7 @@ class IntegrationError(RuntimeError):
     """The integrator cannot go on; the message says where and why."""
 
 
-@numba.njit(cache=True)
+@kernel
 def _fill(
     constants,
     clock,
@@ -59,7 +59,7 @@ def _fill(
     )
 
 
-@numba.njit(cache=True)
+@kernel
 def _interrupt(
     constants, clock, state, series, error, segment, work, point, events, zones, profiles
 ):

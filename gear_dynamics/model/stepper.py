@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 
-import numba
-
 from gear_dynamics.model.contact import GAP, contact_state, first_change
+from gear_dynamics.model.kernel import kernel
 from gear_dynamics.model.layout import DELTA, ROWS, SEG_ERROR, WIDTH
 from gear_dynamics.model.output import time_of_sample, write_samples
 from gear_dynamics.model.segment import fill_segment
@@ -33,7 +32,7 @@ MANY_TINY_STEPS = 10000
 _EVENTS_PER_STEP = 4
 
 
-@numba.njit(cache=True)
+@kernel
 def _phase_at(p, clock, t):
     """Return the mesh phase at time t in cycles since the beginning of the present cycle."""
     since = t - clock.anchor
@@ -41,7 +40,7 @@ def _phase_at(p, clock, t):
     return clock.anchor_phase - (clock.cycle - clock.anchor_cycle) + p.z1 / (2 * math.pi) * turned
 
 
-@numba.njit(cache=True)
+@kernel
 def time_of_phase(p, clock, phase):
     """Return when the mesh phase (in the present cycle) is reached, or inf if it never is."""
     ahead = phase + (clock.cycle - clock.anchor_cycle) - clock.anchor_phase
@@ -55,13 +54,13 @@ def time_of_phase(p, clock, phase):
     return clock.anchor + 2 * turn / speed
 
 
-@numba.njit(cache=True)
+@kernel
 def _set_anchor(clock):
     clock.anchor, clock.anchor_phase = clock.begin, clock.phase
     clock.anchor_cycle, clock.anchor_speed = clock.cycle, clock.speed
 
 
-@numba.njit(cache=True)
+@kernel
 def _move_origin(clock):
     """Count time from a later sample, so that it keeps its precision."""
     whole = math.floor(clock.begin * clock.sample_rate)
@@ -73,7 +72,7 @@ def _move_origin(clock):
     _set_anchor(clock)
 
 
-@numba.njit(cache=True)
+@kernel
 def _emit(clock, events, tau, kind, pair, delta, delta_dot, phase):
     row = events[clock.events]
     row.t = clock.origin / clock.sample_rate + (clock.begin + tau)
@@ -85,7 +84,7 @@ def _emit(clock, events, tau, kind, pair, delta, delta_dot, phase):
     clock.events += 1
 
 
-@numba.njit(cache=True)
+@kernel
 def _pass_section(p, clock, series, until, wraps, events):
     """Emit the section state if the section phase is passed before `until` [s into the step]."""
     if clock.section_cycle > clock.cycle:
@@ -99,7 +98,7 @@ def _pass_section(p, clock, series, until, wraps, events):
         clock.section_cycle = clock.cycle + 1
 
 
-@numba.njit(cache=True)
+@kernel
 def _flank_event(before, after):
     """Return the `EventKind` of a change of contact state."""
     if after == GAP:
@@ -107,7 +106,7 @@ def _flank_event(before, after):
     return 2 if after > 0 else 4
 
 
-@numba.njit(cache=True)
+@kernel
 def _change_contact(p, clock, zone, series, segment, events):
     """Give the pairs the contact states after the step, with an event for each that changed."""
     held = clock.contact_a != GAP or (zone.pairs == 2 and clock.contact_b != GAP)
@@ -132,7 +131,7 @@ def _change_contact(p, clock, zone, series, segment, events):
         clock.back_flank_impacts += 1
 
 
-@numba.njit(cache=True)
+@kernel
 def _enter_zone(p, clock, zones, profiles):
     """Go on to the next zone of the mesh, where another tooth pair may enter."""
     clock.zone += 1
@@ -146,7 +145,7 @@ def _enter_zone(p, clock, zones, profiles):
     return profiles.size > 0
 
 
-@numba.njit(cache=True)
+@kernel
 def end_step(p, clock, zones, profiles, y, series, segment, point, events):
     """Put the state at the end of the present step, and do what happens there."""
     clock.steps += 1
@@ -174,7 +173,7 @@ def end_step(p, clock, zones, profiles, y, series, segment, point, events):
     return enters
 
 
-@numba.njit(cache=True)
+@kernel
 def _pair_change(clock, profiles, series, error, segment, ahead, state, b, work):
     """Return when the contact of pair A (ahead 0) or B (ahead 1) changes, and its next state."""
     row = 1 + ahead
@@ -186,7 +185,7 @@ def _pair_change(clock, profiles, series, error, segment, ahead, state, b, work)
     return first_change(error, row, clock.length, state, b, work)
 
 
-@numba.njit(cache=True)
+@kernel
 def _find_contact_change(p, clock, zone, profiles, series, error, segment, work):
     """Cut the present step at the first change of contact."""
     a, b = clock.contact_a, clock.contact_b
@@ -207,7 +206,7 @@ def _find_contact_change(p, clock, zone, profiles, series, error, segment, work)
         clock.next_b = next_b
 
 
-@numba.njit(cache=True)
+@kernel
 def _choose_length(p, clock, zones, series, y):
     """Set how far the present step goes, and why it ends there."""
     clock.length, clock.ending = min(step_size(p, series, y), LONGEST_STEP), CONTROL
@@ -222,7 +221,7 @@ def _choose_length(p, clock, zones, series, y):
         clock.length, clock.ending = max(to_command, 0.0), COMMAND
 
 
-@numba.njit(cache=True)
+@kernel
 def begin_step(p, clock, zones, profiles, y, series, error, segment, work, entered):
     """Expand the motion about the present state and choose the step."""
     if clock.begin > 1.0:
@@ -259,7 +258,7 @@ def begin_step(p, clock, zones, profiles, y, series, error, segment, work, enter
         clock.smallest_step = min(clock.smallest_step, clock.length)
 
 
-@numba.njit(cache=True)
+@kernel
 def run(p, clock, zones, profiles, y, series, error, segment, work, point, events, sample):
     """Step until the present step spans the instant of a sample.
 
@@ -281,7 +280,7 @@ def run(p, clock, zones, profiles, y, series, error, segment, work, point, event
         clock.length = -1.0
 
 
-@numba.njit(cache=True)
+@kernel
 def interrupt(p, clock, y, series, point, events):
     """End the present step at the instant of the next sample, so that commands may change there.
 
@@ -299,7 +298,7 @@ def interrupt(p, clock, y, series, point, events):
     _set_anchor(clock)
 
 
-@numba.njit(cache=True)
+@kernel
 def fill_samples(
     p, clock, zones, profiles, y, series, error, segment, work, point, events, angles_every, out
 ):
