@@ -101,14 +101,15 @@ class Sim:
 
     def _changed(self, names: frozenset[str]) -> None:
         settings = self._parameters.get(SimSettings)
-        if names & {'speed', 'load_torque'}:
-            self._simulator.command(speed=settings.speed, load_torque=settings.load_torque)
-        if names - {'speed', 'load_torque'}:
-            self._simulator.change(
-                pair=self._parameters.get(GearPair),
-                speed_rate_limit=settings.speed_rate_limit,
-                torque_rate_limit=settings.torque_rate_limit,
-            )
+        with _one_line():
+            if names & {'speed', 'load_torque'}:
+                self._simulator.command(speed=settings.speed, load_torque=settings.load_torque)
+            if names - {'speed', 'load_torque'}:
+                self._simulator.change(
+                    pair=self._parameters.get(GearPair),
+                    speed_rate_limit=settings.speed_rate_limit,
+                    torque_rate_limit=settings.torque_rate_limit,
+                )
         self._configuration_changed = True
 
     def _publish_configuration(self) -> None:
@@ -152,10 +153,8 @@ class Sim:
 
     def _advance(self) -> None:
         first = self._simulator.samples_done
-        try:
+        with _one_line():
             samples = self._simulator.advance(self._block_size)
-        except IntegrationError as error:
-            raise NodeError(str(error)) from error
         stamp, end = self._stamps.stamp(first), self._stamps.stamp(first + len(samples))
         start = first / self._rate
         self._stream.put(samples, self._simulator.take_events(), start, stamp, end)
@@ -176,11 +175,21 @@ def _make_simulator(node: Node, pair: GearPair, settings: SimSettings) -> Simula
             atol=settings.atol,
             section_phase=settings.section_phase,
         )
-        # Compiles what has not been: the first block must not be the late one.
+        # Compiles what has not been: neither the first block nor the first command may be late.
         simulator.advance(1)
-        simulator.take_events()
+        simulator.command(speed=settings.speed)
+        simulator.change(pair=pair)
         simulator.reset()
     return simulator
+
+
+@contextlib.contextmanager
+def _one_line() -> Iterator[None]:
+    """Turn an error of the integrator into the one line that the node ends with."""
+    try:
+        yield
+    except IntegrationError as error:
+        raise NodeError(str(error)) from error
 
 
 @contextlib.contextmanager
