@@ -172,13 +172,26 @@ class BagFolder:
         self._file = None
         self._write_metadata()
 
-    def abandon(self) -> int:
-        """Close the file as it is, whole up to its last commit; return the messages lost."""
-        file, self._file = self._file, None
+    def give_up(self) -> int:
+        """Close the file at its last whole chunk after an error; return the messages lost.
+
+        The file gets its index if the disk takes that much.
+        """
+        file = self._file
         if file is None:
             return 0
-        file.abandon()
-        return file.uncommitted
+        try:
+            self.finish()
+        except OSError:
+            file.abandon()
+        self._file = None
+        return file.lost + file.uncommitted
+
+    def forget(self) -> None:
+        """Close a file that was deleted."""
+        if self._file:
+            self._file.abandon()
+            self._file = None
 
     def _current(self) -> McapFile:
         if self._file is None:

@@ -1,4 +1,4 @@
-"""One MCAP file as rosbag2 writes it, that is always whole up to the last commit."""
+"""One MCAP file as rosbag2 writes it, that is always whole up to its last chunk."""
 
 from __future__ import annotations
 
@@ -8,16 +8,14 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import yaml
-from mcap.writer import CompressionType, Writer
+from mcap.data_stream import RecordBuilder
+from mcap.records import Channel, Header, Metadata, MetadataIndex, Schema
+from mcap.writer import MCAP0_MAGIC
 
+from gear_dynamics.bag.chunk_builder import ChunkBuilder
+from gear_dynamics.bag.mcap_index import McapIndex
 from gear_dynamics.bag.messages import message_type
 from gear_dynamics.bag.metadata import FileSummary, Topic, bag_information
-
-COMPRESSIONS = {
-    'none': CompressionType.NONE,
-    'lz4': CompressionType.LZ4,
-    'zstd': CompressionType.ZSTD,
-}
 
 CHUNK_SIZE = 1 << 20
 """Bytes of messages, before compression, after which a chunk is closed."""
@@ -30,8 +28,8 @@ class McapFile:
     """An MCAP file under construction.
 
     Messages become part of the file chunk by chunk: when a chunk is full, or at `sync`. A write
-    that fails takes the file back to the end of the last whole chunk; `uncommitted` is the
-    number of messages that are not in the file yet.
+    that fails takes the file back to the end of the last whole chunk, and the chunk that failed
+    is given up; then the file may still be finished.
 
     Parameters
     ----------
@@ -48,25 +46,27 @@ class McapFile:
 
     def __init__(self, path: Path, compression: str) -> None:
         self.path = path
-        self._stream = _CommitStream(path)
-        self._writer = Writer(
-            self._stream,  # type: ignore[arg-type]
-            chunk_size=CHUNK_SIZE,
-            compression=COMPRESSIONS[compression],
-        )
-        self._writer.start(profile='ros2', library='gear_dynamics')
-        self._stream.commit()
-        self._channels: dict[Topic, int] = {}
-        self._schemas: dict[str, int] = {}
-        self._counts: dict[Topic, int] = {}
-        self._start = 0
-        self._end = 0
-        self.uncommitted = 0
+        flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC
+        self._file = os.open(path, flags, 0o644)
+        self.size = 0
+        self.lost = 0
+        self._chunk = ChunkBuilder(compression)
+        self._index = McapIndex()
+        self._channels: dict[Topic, Channel] = {}
+        self._start = self._end = 0
+        builder = RecordBuilder()
+        Header('ros2', 'gear_dynamics').write(builder)
+        try:
+            self._write(MCAP0_MAGIC + builder.end())
+        except OSError:
+            self.abandon()
+            path.unlink(missing_ok=True)
+            raise
 
     @property
-    def size(self) -> int:
-        """Bytes in the file so far."""
-        return self._stream.committed
+    def uncommitted(self) -> int:
+        """Messages that are not in the file yet."""
+        return sum(self._chunk.counts.values())
 
     @property
     def duration(self) -> int:
@@ -76,118 +76,109 @@ class McapFile:
     @property
     def deleted(self) -> bool:
         """Whether the file is no longer in its folder."""
-        return self._stream.deleted()
+        return os.fstat(self._file).st_nlink == 0
 
     def write(self, topic: Topic, data: bytes, log_time: int, publish_time: int) -> None:
         """Append a message; times in ns."""
         if topic not in self._channels:
-            self._channels[topic] = self._register(topic)
-            self._counts[topic] = 0
-        if not any(self._counts.values()):
-            self._start = self._end = log_time
+            self._register(topic)
+        if not self._end:
+            self._start = log_time
         self._start, self._end = min(self._start, log_time), max(self._end, log_time)
-        self._counts[topic] += 1
-        self.uncommitted += 1
-        self._writer.add_message(self._channels[topic], log_time, data, publish_time)
-        if self._stream.pending:
-            self._stream.commit()
-            self.uncommitted = 0
+        self._chunk.add_message(self._channels[topic].id, log_time, publish_time, data)
+        if self._chunk.size > CHUNK_SIZE:
+            self._commit()
 
-    def _register(self, topic: Topic) -> int:
+    def _register(self, topic: Topic) -> None:
+        """Tell of the topic, and of its type if that is new, in the chunk that has its messages."""
         kind = message_type(topic.type_name)
-        if kind.name not in self._schemas:
-            self._schemas[kind.name] = self._writer.register_schema(
-                kind.name, 'ros2msg', kind.definition.encode()
-            )
+        schema = self._index.schemas.get(kind.name)
+        if schema is None:
+            number = len(self._index.schemas) + 1
+            schema = Schema(number, kind.definition.encode(), 'ros2msg', kind.name)
+            self._index.schemas[kind.name] = schema
+            self._chunk.add_record(schema)
         metadata = {'offered_qos_profiles': topic.qos.text(), 'topic_type_hash': kind.hash}
-        return self._writer.register_channel(topic.name, 'cdr', self._schemas[kind.name], metadata)
+        channel = Channel(len(self._channels) + 1, topic.name, 'cdr', metadata, schema.id)
+        self._channels[topic] = channel
+        self._index.channels.append(channel)
+        self._chunk.add_record(channel)
 
     def write_configuration(self, configuration: Mapping[str, str], log_time: int) -> None:
         """Append the configuration that holds from `log_time` [ns] on, with a checksum."""
         record = {**configuration, 'log_time': str(log_time)}
-        self._writer.add_metadata(
-            CONFIGURATION, {**record, 'crc32': configuration_checksum(record)}
-        )
-        self._stream.commit()
+        self._write_metadata(CONFIGURATION, {**record, 'crc32': configuration_checksum(record)})
+
+    def _write_metadata(self, name: str, content: dict[str, str]) -> None:
+        record = _metadata_record(name, content)
+        place = MetadataIndex(self.size, len(record), name)
+        self._write(record)
+        self._index.metadata.append(place)
 
     def sync(self) -> None:
         """Close the chunk in progress and bring everything to the disk."""
-        self._writer.flush()
-        self._stream.sync()
-        self.uncommitted = 0
+        self._commit()
+        os.fdatasync(self._file)
 
     def finish(self) -> FileSummary:
         """Write index and footer, close, and return what metadata.yaml says of the file."""
-        self._writer.flush()
-        self.uncommitted = 0
+        self._commit()
         information = bag_information([self._summary()])
-        self._writer.add_metadata(
-            'rosbag2',
-            {'serialized_metadata': yaml.safe_dump(information, sort_keys=False, width=1 << 20)},
-        )
-        self._writer.finish()
-        self._stream.sync()
-        summary = self._summary()
+        text = yaml.safe_dump(information, sort_keys=False, width=1 << 20)
+        record = _metadata_record('rosbag2', {'serialized_metadata': text})
+        place = MetadataIndex(self.size, len(record), 'rosbag2')
+        self._write(record + self._index.build(self.size + len(record), place))
+        os.fdatasync(self._file)
         self.abandon()
-        return summary
+        return self._summary()
 
     def abandon(self) -> None:
-        """Close the file as it is, whole up to the last chunk but without an index."""
-        self._stream.close()
+        """Close the file as it is, whole up to the last chunk; without an index if unfinished."""
+        if self._file >= 0:
+            os.close(self._file)
+            self._file = -1
 
     def _summary(self) -> FileSummary:
-        return FileSummary(self.path.name, self._start, self._end, self.size, dict(self._counts))
+        counts = {
+            topic: self._index.counts.get(channel.id, 0)
+            for topic, channel in self._channels.items()
+        }
+        return FileSummary(self.path.name, self._index.start, self._index.end, self.size, counts)
+
+    def _commit(self) -> None:
+        """Write the chunk in progress."""
+        if not self.uncommitted:
+            return
+        data, index = self._chunk.build(self.size)
+        counts = self._chunk.counts
+        self._chunk.clear()
+        try:
+            self._write(data)
+        except OSError:
+            self.lost += sum(counts.values())
+            raise
+        self._index.add_chunk(index, counts)
+
+    def _write(self, data: bytes) -> None:
+        """Write all of it or nothing."""
+        rest = memoryview(data)
+        try:
+            while rest:
+                rest = rest[os.write(self._file, rest) :]
+        except OSError:
+            os.ftruncate(self._file, self.size)
+            os.lseek(self._file, self.size, os.SEEK_SET)
+            raise
+        self.size += len(data)
+
+
+def _metadata_record(name: str, content: dict[str, str]) -> bytes:
+    builder = RecordBuilder()
+    Metadata(name, content).write(builder)
+    return builder.end()
 
 
 def configuration_checksum(record: Mapping[str, str]) -> str:
     """Return the CRC-32 of a configuration record, which MCAP itself does not protect."""
     text = '\0'.join(f'{key}\0{record[key]}' for key in sorted(record) if key != 'crc32')
     return f'{zlib.crc32(text.encode()):08x}'
-
-
-class _CommitStream:
-    """What `mcap.writer.Writer` writes into: gathers records, writes them whole or not at all."""
-
-    def __init__(self, path: Path) -> None:
-        flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC
-        self._file = os.open(path, flags, 0o644)
-        self._parts: list[bytes] = []
-        self.pending = 0
-        self.committed = 0
-
-    def write(self, data: bytes) -> int:
-        if data:
-            self._parts.append(data)
-            self.pending += len(data)
-        return len(data)
-
-    def tell(self) -> int:
-        return self.committed + self.pending
-
-    def flush(self) -> None:
-        self.commit()
-
-    def commit(self) -> None:
-        try:
-            for part in self._parts:
-                rest = memoryview(part)
-                while rest:
-                    rest = rest[os.write(self._file, rest) :]
-        except OSError:
-            os.ftruncate(self._file, self.committed)
-            raise
-        self.committed += self.pending
-        self._parts.clear()
-        self.pending = 0
-
-    def sync(self) -> None:
-        self.commit()
-        os.fdatasync(self._file)
-
-    def deleted(self) -> bool:
-        return os.fstat(self._file).st_nlink == 0
-
-    def close(self) -> None:
-        if self._file >= 0:
-            os.close(self._file)
-            self._file = -1

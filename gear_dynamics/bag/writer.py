@@ -11,7 +11,7 @@ from pathlib import Path
 from types import TracebackType
 
 from gear_dynamics.bag.folder import BagFolder, Limits, LogDeleted, LogStopped
-from gear_dynamics.bag.mcap_file import COMPRESSIONS
+from gear_dynamics.bag.chunk_builder import COMPRESSIONS
 from gear_dynamics.bag.messages import message_type
 from gear_dynamics.bag.metadata import OfferedQos, Topic
 
@@ -271,7 +271,8 @@ class LogWriter:
         try:
             action()
         except LogDeleted as deleted:
-            self._lose(str(deleted))
+            self._folder.forget()
+            self._reason = str(deleted)
         except LogStopped as stop:
             # The state changes when the file is whole, not before.
             if self._finish():
@@ -291,7 +292,7 @@ class LogWriter:
 
     def _lose(self, reason: str) -> None:
         """Give up the chunk in progress, which the disk refused."""
-        lost = self._folder.abandon()
+        lost = self._folder.give_up()
         self._dropped += lost
         self._messages -= lost
         self._reason = reason

@@ -212,6 +212,7 @@ def test_a_limit_on_the_file_size_stops_at_the_last_whole_chunk(tmp_path):
     final = writer.close()
     assert final.reason == ''
     info = log_info(final.path)
+    assert info.whole
     assert info.messages == final.messages
     assert len(info.files) >= 2
 

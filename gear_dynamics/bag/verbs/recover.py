@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from gear_dynamics.bag.mcap_file import COMPRESSIONS
+from gear_dynamics.bag.chunk_builder import COMPRESSIONS
 from gear_dynamics.bag.recover import recover
 from gear_dynamics.bag.verbs.output import beside
 
