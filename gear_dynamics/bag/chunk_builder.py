@@ -71,30 +71,30 @@ class ChunkBuilder:
         self._parts.append(part)
         self.size += len(part)
 
-    def build(self, offset: int) -> tuple[bytes, ChunkIndex]:
+    def build(self, offset: int) -> tuple[list[bytes], ChunkIndex]:
         """Return the bytes of chunk and message indexes, and their entry in the file's index.
+
+        The bytes come in parts, so that messages that are not compressed are never copied.
 
         Parameters
         ----------
         offset : int
             Where in the file they go.
         """
-        records = b''.join(self._parts)
-        data = self._compress(records)
-        times = [time for index in self._indexes.values() for time, _ in index]
-        start, end = min(times), max(times)
-        name = self._name.encode()
-        length = _CHUNK.size - 9 + 4 + len(name) + 8 + len(data)
-        head = _CHUNK.pack(Opcode.CHUNK, length, start, end, len(records), zlib.crc32(records))
-        head += struct.pack('<I', len(name)) + name + struct.pack('<Q', len(data))
-        chunk_length = len(head) + len(data)
-        parts, places, at = [head, data], {}, offset + chunk_length
+        data = self._parts
+        if self._name:
+            data = [self._compress(b''.join(self._parts))]
+        size = sum(map(len, data))
+        head, start, end = self._head(size)
+        parts, places = [head, *data], {}
+        chunk_length = len(head) + size
+        at = offset + chunk_length
         for channel, index in self._indexes.items():
             places[channel] = at
             entries = np.array(index, np.uint64).tobytes()
-            part = _INDEX.pack(Opcode.MESSAGE_INDEX, 6 + len(entries), channel, len(entries))
-            parts += [part, entries]
-            at += len(part) + len(entries)
+            opening = _INDEX.pack(Opcode.MESSAGE_INDEX, 6 + len(entries), channel, len(entries))
+            parts.append(opening + entries)
+            at += len(parts[-1])
         index_entry = ChunkIndex(
             message_start_time=start,
             message_end_time=end,
@@ -103,7 +103,19 @@ class ChunkBuilder:
             message_index_offsets=places,
             message_index_length=at - offset - chunk_length,
             compression=self._name,
-            compressed_size=len(data),
-            uncompressed_size=len(records),
+            compressed_size=size,
+            uncompressed_size=self.size,
         )
-        return b''.join(parts), index_entry
+        return parts, index_entry
+
+    def _head(self, size: int) -> tuple[bytes, int, int]:
+        """Return what stands before `size` bytes of records, and the first and last log time."""
+        times = [time for index in self._indexes.values() for time, _ in index]
+        start, end = min(times), max(times)
+        crc = 0
+        for part in self._parts:
+            crc = zlib.crc32(part, crc)
+        name = self._name.encode()
+        length = _CHUNK.size - 9 + 4 + len(name) + 8 + size
+        head = _CHUNK.pack(Opcode.CHUNK, length, start, end, self.size, crc)
+        return head + struct.pack('<I', len(name)) + name + struct.pack('<Q', size), start, end

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import yaml
@@ -19,6 +19,8 @@ from gear_dynamics.bag.metadata import FileSummary, Topic, bag_information
 
 CHUNK_SIZE = 1 << 20
 """Bytes of messages, before compression, after which a chunk is closed."""
+
+_MOST_PARTS = 1000  # Linux takes 1024 in one writev
 
 CONFIGURATION = 'gear_dynamics'
 """Name of the metadata records that hold the run's configuration."""
@@ -149,27 +151,33 @@ class McapFile:
         """Write the chunk in progress."""
         if not self.uncommitted:
             return
-        data, index = self._chunk.build(self.size)
+        parts, index = self._chunk.build(self.size)
         counts = self._chunk.counts
         self._chunk.clear()
         try:
-            self._write(data)
+            self._write(*parts)
         except OSError:
             self.lost += sum(counts.values())
             raise
         self._index.add_chunk(index, counts)
 
-    def _write(self, data: bytes) -> None:
+    def _write(self, *parts: bytes) -> None:
         """Write all of it or nothing."""
-        rest = memoryview(data)
         try:
-            while rest:
-                rest = rest[os.write(self._file, rest) :]
+            for at in range(0, len(parts), _MOST_PARTS):
+                self._write_some(parts[at : at + _MOST_PARTS])
         except OSError:
             os.ftruncate(self._file, self.size)
             os.lseek(self._file, self.size, os.SEEK_SET)
             raise
-        self.size += len(data)
+        self.size += sum(map(len, parts))
+
+    def _write_some(self, parts: Sequence[bytes]) -> None:
+        written = os.writev(self._file, parts)
+        if written < sum(map(len, parts)):
+            rest = memoryview(b''.join(parts))[written:]
+            while rest:
+                rest = rest[os.write(self._file, rest) :]
 
 
 def _metadata_record(name: str, content: dict[str, str]) -> bytes:

@@ -9,9 +9,10 @@ import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import TracebackType
+from typing import Any, NamedTuple
 
-from gear_dynamics.bag.folder import BagFolder, Limits, LogDeleted, LogStopped
 from gear_dynamics.bag.chunk_builder import COMPRESSIONS
+from gear_dynamics.bag.folder import BagFolder, Limits, LogDeleted, LogStopped
 from gear_dynamics.bag.messages import message_type
 from gear_dynamics.bag.metadata import OfferedQos, Topic
 
@@ -60,16 +61,14 @@ class LogStatus:
     overflows: int
 
 
-@dataclasses.dataclass(frozen=True)
-class _Message:
+class _Message(NamedTuple):
     topic: Topic
     data: bytes
     log_time: int
     publish_time: int
 
 
-@dataclasses.dataclass(frozen=True)
-class _Change:
+class _Change(NamedTuple):
     configuration: dict[str, str]
     log_time: int
 
@@ -226,38 +225,45 @@ class LogWriter:
 
     def _run(self) -> None:
         """Write until closed; the only place that touches the folder once the thread runs."""
-        deadline = time.monotonic() + SYNC_INTERVAL
-        while True:
-            with self._condition:
-                if not self._queue and not self._closing:
-                    self._condition.wait(max(deadline - time.monotonic(), 0.0))
-                item = self._queue.popleft() if self._queue else None
-                if isinstance(item, _Message):
-                    self._queued_bytes -= len(item.data)
-                if item is None and self._closing:
-                    break
-            if item is not None:
-                self._take(item)
-            if time.monotonic() >= deadline:
-                pause = SYNC_INTERVAL if self._reason is None else PROBE_INTERVAL
-                self._sync() if self._reason is None else self._open()
-                deadline = time.monotonic() + pause
+        self._deadline = time.monotonic() + SYNC_INTERVAL
+        while self._wait():
+            for _ in range(len(self._queue)):
+                self._take(self._queue.popleft())
+                if time.monotonic() >= self._deadline:
+                    self._keep_up()
         if self._reason is None:
             self._finish()
 
+    def _wait(self) -> bool:
+        """Wait for something to write, and for the time to sync; tell whether to go on."""
+        with self._condition:
+            if not self._queue and not self._closing:
+                self._condition.wait(max(self._deadline - time.monotonic(), 0.0))
+            done = self._closing and not self._queue
+        if not self._queue and time.monotonic() >= self._deadline:
+            self._keep_up()
+        return not done
+
+    def _keep_up(self) -> None:
+        """Bring everything to the disk, or try again to have a file there."""
+        if self._reason is None:
+            self._guard(self._folder.sync)
+        else:
+            self._open()
+        pause = SYNC_INTERVAL if self._reason is None else PROBE_INTERVAL
+        self._deadline = time.monotonic() + pause
+
     def _take(self, item: _Message | _Change) -> None:
         if isinstance(item, _Change):
-            self._guard(lambda: self._folder.configure(item.configuration, item.log_time))
-        elif self._reason is not None:
+            self._guard(self._folder.configure, item.configuration, item.log_time)
+            return
+        with self._condition:
+            self._queued_bytes -= len(item.data)
+        if self._reason is not None:
             self._dropped += 1
         else:
             self._messages += 1
-            self._guard(
-                lambda: self._folder.write(item.topic, item.data, item.log_time, item.publish_time)
-            )
-
-    def _sync(self) -> None:
-        self._guard(self._folder.sync)
+            self._guard(self._folder.write, *item)
 
     def _open(self) -> None:
         def resume() -> None:
@@ -266,10 +272,10 @@ class LogWriter:
 
         self._guard(resume)
 
-    def _guard(self, action: Callable[[], None]) -> None:
+    def _guard(self, action: Callable[..., None], *arguments: Any) -> None:
         """Do something with the folder; stop at the last whole chunk if it fails."""
         try:
-            action()
+            action(*arguments)
         except LogDeleted as deleted:
             self._folder.forget()
             self._reason = str(deleted)
