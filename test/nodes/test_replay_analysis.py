@@ -1,0 +1,80 @@
+"""The analyzer finds in a replayed log what it found live."""
+
+import time
+
+import pytest
+
+rclpy = pytest.importorskip('rclpy')
+
+import ros_support  # noqa: E402
+from sensor_msgs.msg import PointCloud2  # noqa: E402
+from std_srvs.srv import SetBool  # noqa: E402
+
+from gear_dynamics.bag.tables import decode_table  # noqa: E402
+
+ANALYZER = 'gear_dynamics.nodes.analyzer'
+TABLES = ('spectrum', 'order_spectrum', 'poincare')
+RIG = ('gear_pair/samples', 'gear_pair/events', 'gear_pair/configuration')
+
+
+def listen(client, prefix):
+    return {
+        name: client.collect(PointCloud2, f'{prefix}/gear_pair/{name}', raw=True) for name in TABLES
+    }
+
+
+def by_stamp(messages):
+    tables = [decode_table(each) for each in messages]
+    return {table.stamp_ns: table.rows for table in tables}
+
+
+def test_replayed_log_gives_the_spectra_and_the_section_of_the_live_run(domain, client, tmp_path):
+    live = listen(client, '/live')
+    parameters = {'log_directory': tmp_path, 'log_free_floor': 0.0}
+    with ros_support.Process(ANALYZER, domain, parameters, ['-r', '__ns:=/live']) as analyzer:
+        ros_support.wait_until(
+            lambda: client.node.count_subscribers('/live/gear_pair/samples'), 120, 'the analyzer'
+        )
+        with ros_support.Process('gear_dynamics.nodes.sim', domain, {}, ['-r', '__ns:=/live']):
+            ros_support.wait_until(
+                lambda: all(len(messages) >= 4 for messages in live.values()), 120, 'results'
+            )
+        assert analyzer.stop() == 0
+    (log,) = tmp_path.glob('gear_log_*')
+
+    replayed = listen(client, '/again')
+    again = ['-r', '__ns:=/again']
+    topics = '[' + ', '.join(f'/live/{name}' for name in RIG) + ']'
+    to = [part for name in RIG for part in ('-r', f'/live/{name}:=/again/{name}')]
+    with (
+        ros_support.Process(ANALYZER, domain, {'log': False}, again) as analyzer,
+        ros_support.Process(
+            'gear_dynamics.nodes.replay',
+            domain,
+            {'log': log, 'topics': topics, 'paused': True, 'rate': 0},
+            to,
+        ) as replay,
+    ):
+        for name in RIG:
+            topic = f'/again/{name}'
+            ros_support.wait_until(
+                lambda topic=topic: (
+                    client.node.count_subscribers(topic) and client.node.count_publishers(topic)
+                ),
+                120,
+                topic,
+            )
+        time.sleep(0.5)  # until those two know of each other what this client knows of them
+        client.call(SetBool, 'gear_replay/pause', SetBool.Request(data=False))
+        assert replay.wait(60) == 0
+        ros_support.wait_until(
+            lambda: all(len(replayed[name]) >= len(live[name]) for name in TABLES),
+            30,
+            'as many results as live',
+        )
+        assert analyzer.stop() == 0
+    for name in TABLES:
+        before, after = by_stamp(live[name]), by_stamp(replayed[name])
+        assert len(before.keys() & after.keys()) >= len(before) - 1, name
+        for stamp in before.keys() & after.keys():
+            assert before[stamp].tobytes() == after[stamp].tobytes(), (name, stamp)
