@@ -133,15 +133,16 @@ def _change_contact(p, clock, zone, series, segment, events):
 
 @kernel
 def _enter_zone(p, clock, zones, profiles):
-    """Go on to the next zone of the mesh, where another tooth pair may enter."""
+    """Go on to the next zone of the mesh, where another tooth pair may enter.
+
+    Return whether flank errors may jump there, and contact states with them.
+    """
     clock.zone += 1
-    if clock.zone < zones.size:
-        clock.phase = zones[clock.zone].begin
-        return False
-    clock.zone = 0
-    clock.phase = 0.0
-    clock.cycle += 1
-    clock.contact_b = clock.contact_a
+    if clock.zone == zones.size:
+        clock.zone = 0
+        clock.cycle += 1
+        clock.contact_b = clock.contact_a
+    clock.phase = zones[clock.zone].begin
     return profiles.size > 0
 
 
@@ -174,7 +175,7 @@ def end_step(p, clock, zones, profiles, y, series, segment, point, events):
 
 
 @kernel
-def _pair_change(clock, profiles, series, error, segment, ahead, state, b, work):
+def _pair_change(clock, profiles, series, error, segment, ahead, state, b, work, entered):
     """Return when the contact of pair A (ahead 0) or B (ahead 1) changes, and its next state."""
     row = 1 + ahead
     for k in range(ROWS):
@@ -182,20 +183,26 @@ def _pair_change(clock, profiles, series, error, segment, ahead, state, b, work)
     if profiles.size > 0:
         for k in range(WIDTH):
             error[row, k] -= segment[SEG_ERROR + ahead, k]
+    if entered:
+        jumped = contact_state(error[row, 0], error[row, 1], b)
+        if jumped != state:
+            return 0.0, jumped
     return first_change(error, row, clock.length, state, b, work)
 
 
 @kernel
-def _find_contact_change(p, clock, zone, profiles, series, error, segment, work):
+def _find_contact_change(p, clock, zone, profiles, series, error, segment, work, entered):
     """Cut the present step at the first change of contact."""
     a, b = clock.contact_a, clock.contact_b
     clock.next_a, clock.next_b = a, b
-    t_a, next_a = _pair_change(clock, profiles, series, error, segment, 0, a, p.b, work)
+    t_a, next_a = _pair_change(clock, profiles, series, error, segment, 0, a, p.b, work, entered)
     t_b, next_b = t_a, next_a
     if profiles.size > 0:
         t_b = math.inf
         if zone.pairs == 2:
-            t_b, next_b = _pair_change(clock, profiles, series, error, segment, 1, b, p.b, work)
+            t_b, next_b = _pair_change(
+                clock, profiles, series, error, segment, 1, b, p.b, work, entered
+            )
     first = min(t_a, t_b)
     if first == math.inf:
         return
@@ -229,7 +236,8 @@ def begin_step(p, clock, zones, profiles, y, series, error, segment, work, enter
     zone = zones[clock.zone]
     clock.degree = fill_segment(p, clock, zone, profiles, segment)
     transmission_error(p, clock.phase, clock.speed, clock.accel, error)
-    if entered:
+    if entered and clock.zone == 0:
+        # Pair A is new: the state that it begins in is no change of contact.
         delta = y[3] - y[1] + y[4] - error[0, 0] - segment[SEG_ERROR, 0]
         slope = y[9] - y[7] + y[10] - error[0, 1] - segment[SEG_ERROR, 1]
         clock.contact_a = contact_state(delta, slope, p.b)
@@ -249,7 +257,7 @@ def begin_step(p, clock, zones, profiles, y, series, error, segment, work, enter
         series,
     )
     _choose_length(p, clock, zones, series, y)
-    _find_contact_change(p, clock, zone, profiles, series, error, segment, work)
+    _find_contact_change(p, clock, zone, profiles, series, error, segment, work, entered)
     if clock.length < _TINY / p.wn:
         clock.tiny_steps += 1
     else:
@@ -264,7 +272,7 @@ def run(p, clock, zones, profiles, y, series, error, segment, work, point, event
 
     Returns DONE, EVENTS_FULL (empty the events and call again), STUCK or NOT_FINITE.
     """
-    entered = False
+    entered = clock.steps == 0 and profiles.size > 0
     while True:
         if clock.length < 0:
             begin_step(p, clock, zones, profiles, y, series, error, segment, work, entered)
