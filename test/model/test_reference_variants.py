@@ -1,0 +1,167 @@
+"""The variants of the model against SciPy's DOP853 on equations written anew."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from comparison import ACCURACY, RATE, columns, relative_errors, simulator
+from reference_equations import COLUMNS, Ramp
+from reference_run import Reference
+
+from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.mesh import PROFILES
+
+DEFAULT = GearPair()
+RPM = np.pi / 30
+COUNT = 256
+
+
+def flank(**values):
+    """Return a profile table of one row on every tooth and the whole path, but for `values`."""
+    rows = np.zeros(1, PROFILES)
+    rows['pinion_tooth'] = rows['gear_tooth'] = -1
+    rows['end'] = DEFAULT.derived.path_length
+    for name, value in values.items():
+        rows[name] = value
+    return rows
+
+
+def healthy_start(pair, speed, torque, drive=True):
+    """Return the static deflection of the healthy pair, in which every run starts."""
+    return Reference(pair, speed, torque, drive=drive).static_state()
+
+
+def assert_equal_to_reference(pair, speed, torque, *, profiles=None, drive=True, leave=()):
+    model = simulator(pair, speed, torque, 1e-12, profiles=profiles, drive=drive)
+    got = columns(model.advance(COUNT))
+    reference = Reference(pair, speed, torque, () if profiles is None else profiles, drive)
+    rows, away = reference.run(np.arange(COUNT) / RATE, healthy_start(pair, speed, torque, drive))
+    assert np.count_nonzero(away) > 0.9 * COUNT
+    errors = dict(zip(COLUMNS, relative_errors(got[away], rows[away]), strict=True))
+    assert {n: e for n, e in errors.items() if not e < ACCURACY and n not in leave} == {}
+    return reference
+
+
+def changed(**values):
+    return dataclasses.replace(DEFAULT, **values)
+
+
+@pytest.mark.parametrize(
+    ('pair', 'rpm', 'torque'),
+    [
+        (changed(mesh_stiffness='constant'), 2000, 150.0),
+        (changed(damping_in_gap=True), 3200, 150.0),
+        (changed(friction_coefficient=0.0), 3200, 150.0),
+        (changed(transmission_error_phase=1.0, friction_coefficient=0.2), 1000, 150.0),
+        (changed(pinion_teeth=20, gear_teeth=75, module=0.003), 700, 400.0),
+        (changed(pinion_teeth=59, gear_teeth=34), 1000, 150.0),
+        (DEFAULT, 1000, -150.0),
+        (DEFAULT, 2000, -100.0),
+    ],
+    ids=['constant', 'gap damping', 'mu 0', 'phase', '20/75', 'step-up', 'back flank', 'back loss'],
+)  # fmt: skip
+def test_variant_equals_reference(pair, rpm, torque):
+    assert_equal_to_reference(pair, rpm * RPM, torque)
+
+
+def test_loss_on_the_back_flank_is_seen():
+    reference = assert_equal_to_reference(DEFAULT, 2000 * RPM, -100.0)
+    assert {(before, after) for _, before, after, *_ in reference.events} >= {(-1, 0), (0, -1)}
+
+
+def test_reduced_form_equals_reference():
+    assert_equal_to_reference(
+        DEFAULT, 3200 * RPM, 150.0, drive=False, leave=('pinion_angle', 'gear_angle', 'speed')
+    )
+
+
+CUBIC = [-0.3, 20.0, 3e3, -4e5]
+"""A dip of stiffness, coefficients of 1, s, s2, s3 with s in metres."""
+
+
+@pytest.mark.parametrize(
+    'profiles',
+    [
+        flank(begin=0.002, end=0.008, stiffness=CUBIC, damping=[-0.2, 0, 0, 0]),
+        # A hollow of 5 um that is level with the flank at both ends of the stretch.
+        flank(pinion_tooth=2, begin=0.003, end=0.007, error=np.polynomial.Polynomial.fromroots(
+            [0.003, 0.003, 0.007]).coef * 5e-6 / 2.4e-9),
+        flank(gear_tooth=1, begin=0.0, end=0.0063, error=[4e-6, -1e-4, 2e-2, 0.5]),
+        flank(pinion_tooth=1, gear_tooth=1, begin=0.004, end=0.006, error=[-3e-6, 0, 0, 0]),
+        np.concatenate([flank(pinion_tooth=1, stiffness=CUBIC, begin=0.001, end=0.006),
+                        flank(error=[0, 1e-4, 0, 0]), flank(end=0.004, stiffness=CUBIC)]),
+    ],
+    ids=['stiffness dip', 'hollow', 'gear tooth', 'step', 'overlap'],
+)  # fmt: skip
+def test_flank_profiles_equal_reference(profiles):
+    assert_equal_to_reference(DEFAULT, 2500 * RPM, 150.0, profiles=profiles)
+
+
+def test_flank_step_that_takes_a_pair_out_of_contact_equals_reference():
+    # 60 um is more than the deflection: on this tooth the pair behind it carries alone.
+    profiles = flank(pinion_tooth=3, begin=0.001, end=0.0095, error=[60e-6, 0, 0, 0])
+    assert_equal_to_reference(DEFAULT, 1500 * RPM, 150.0, profiles=profiles)
+
+
+def ramped(pair, *, profiles=None, speed=None, torque=None):
+    """Run at 1500 rpm and 150 N m, ramp at sample 60 and again at 120, compare all columns."""
+    first = simulator(
+        pair, 1500 * RPM, 150.0, 1e-12, profiles=profiles,
+        speed_rate_limit=20000.0, torque_rate_limit=80000.0,
+    )  # fmt: skip
+    got = [first.advance(60)]
+    first.command(**({'speed': speed[0]} if speed else {}),
+                  **({'load_torque': torque[0]} if torque else {}))  # fmt: skip
+    got.append(first.advance(60))
+    first.command(**({'speed': speed[1]} if speed else {}),
+                  **({'load_torque': torque[1]} if torque else {}))  # fmt: skip
+    got.append(first.advance(COUNT - 120))
+    reference = Reference(
+        pair,
+        limited(1500 * RPM, speed, 20000.0) if speed else 1500 * RPM,
+        limited(150.0, torque, 80000.0) if torque else 150.0,
+        () if profiles is None else profiles,
+    )
+    rows, away = reference.run(np.arange(COUNT) / RATE, healthy_start(pair, 1500 * RPM, 150.0))
+    errors = relative_errors(columns(np.concatenate(got))[away], rows[away])
+    assert errors.max() < ACCURACY
+
+
+def limited(value, targets, rate):
+    """Return the command that is given targets at samples 60 and 120 and follows at a rate."""
+    times, values = [0.0], [value]
+    ends = (120 / RATE, COUNT / RATE)
+    for begin, end, target in zip((60 / RATE, 120 / RATE), ends, targets, strict=True):
+        if times[-1] < begin:
+            times.append(begin)
+            values.append(value)
+        needed = abs(target - value) / rate
+        sign = np.sign(target - value)
+        reached = min(begin + needed, end)
+        value += sign * rate * (reached - begin)
+        times.append(reached)
+        values.append(value)
+    return Ramp(times, values)
+
+
+def test_speed_ramps_equal_reference():
+    # Up, not reached before the next command; then down to standstill, reached.
+    ramped(DEFAULT, speed=(200.0, 150.0))
+
+
+def test_ramp_to_standstill_equals_reference():
+    ramped(changed(friction_coefficient=0.1), speed=(140.0, 139.0))
+
+
+def test_torque_ramps_through_zero_equal_reference():
+    ramped(DEFAULT, torque=(60.0, -80.0))
+
+
+def test_speed_and_torque_ramps_with_flank_profiles_equal_reference():
+    profiles = np.concatenate(
+        [
+            flank(gear_tooth=1, begin=0.0, end=0.0063, error=[4e-6, -1e-4, 2e-2, 0.5]),
+            flank(begin=0.002, end=0.008, stiffness=CUBIC, damping=[-0.2, 0, 0, 0]),
+        ]
+    )
+    ramped(DEFAULT, speed=(200.0, 150.0), torque=(60.0, 120.0), profiles=profiles)
