@@ -15,7 +15,7 @@ from gear_dynamics.analysis.blocks import BlockError, checked_columns
 from gear_dynamics.analysis.gaps import Order, StampCheck
 from gear_dynamics.analysis.interpolation import HALF_WIDTH, interpolate
 from gear_dynamics.analysis.poincare import SECTION, poincare_points, section_from_events
-from gear_dynamics.analysis.record import EXACT, Record
+from gear_dynamics.analysis.record import BATCH, EXACT, Record
 from gear_dynamics.analysis.results import Result, Span, TableResult
 from gear_dynamics.analysis.thresholds import Thresholds
 from gear_dynamics.configuration import Rig
@@ -77,6 +77,8 @@ class Monitor:
         self._record: Record | None = None
         self._check: StampCheck | None = None
         self._since_events = 0.0
+        self._events: list[np.ndarray] = []
+        self._events_ns = 0
         self.health = Health()
 
     def configure(self, rig: Rig) -> None:
@@ -116,12 +118,14 @@ class Monitor:
         if order is Order.BACK:
             self.health.drop('back', f'stamp {stamp_ns} ns goes back')
             return []
+        results: list[Result] = []
         if order is not Order.NEXT or self._record is None:
+            results = self._record.flush() if self._record is not None else []
             self._begin(order, stamp_ns)
         assert self._record is not None
         self.health.blocks += 1
         self._since_events += len(values) / self._rig.sample_rate
-        return self._record.add_block(values, self._since_events > PATIENCE)
+        return results + self._record.add_block(values, self._since_events > PATIENCE)
 
     def add_events(self, stamp_ns: int, rows: np.ndarray) -> list[Result]:
         """Take the events of a block; return the results that they complete."""
@@ -135,17 +139,30 @@ class Monitor:
             self.health.drop('events', 'the events have a value that is not finite')
             return []
         self._since_events = 0.0
-        section = section_from_events(rows)
+        rows = rows[list(EVENTS.names or ())].astype(EVENTS)
+        if not self._events:
+            self._events_ns = stamp_ns
+        rows['t'] += (stamp_ns - self._events_ns) / 1e9
+        self._events.append(rows)
+        block = self._rig.block_size / self._rig.sample_rate
+        span = Span(self._events_ns, (stamp_ns - self._events_ns) / 1e9 + block)
+        if 0 <= span.duration < BATCH:
+            return []
+        events = np.concatenate(self._events)
+        self._events = []
+        return self._section_results(events, span, self._rig)
+
+    def _section_results(self, events: np.ndarray, span: Span, rig: Rig) -> list[Result]:
+        section = section_from_events(events)
         points = section
         if self._settings.section == 'contact_loss':
-            points = section_from_events(rows, EventKind.DRIVE_LOST)
+            points = section_from_events(events, EventKind.DRIVE_LOST)
         results: list[Result] = []
         if len(points):
-            span = Span(stamp_ns, self._rig.block_size / self._rig.sample_rate)
-            table = poincare_points(points, self._rig.half_backlash, self._rig.wn)
+            table = poincare_points(points, rig.half_backlash, rig.wn)
             results.append(TableResult('poincare', span, table))
         if self._record is not None and len(section):
-            section['t'] += (stamp_ns - self._record.start_ns) / 1e9
+            section['t'] += (span.start_ns - self._record.start_ns) / 1e9
             results += self._record.add_section(section, EXACT)
         return results
 

@@ -39,6 +39,9 @@ from gear_dynamics.configuration import Rig
 from gear_dynamics.model.columns import CHANNELS
 from gear_dynamics.settings import AnalyzerSettings
 
+BATCH = 0.04
+"""Seconds of samples, or of events, that are worked on at once."""
+
 EXACT = 'exact, from events'
 INTERPOLATED = 'interpolated between samples: delta to (w h)^4 / 384, delta_dot to (w h)^3 / 125'
 """What the states of a section are; w is the angular frequency of the motion, h the step."""
@@ -66,6 +69,8 @@ class Record:
         self.start_ns = start_ns
         self._rate = rig.sample_rate
         self._done = 0
+        self._waiting: list[np.ndarray] = []
+        self._interpolate = False
         share = pinion_inertia_share(
             rig.pinion_inertia, rig.gear_inertia, rig.pinion_teeth, rig.gear_teeth
         )
@@ -89,12 +94,30 @@ class Record:
     def add_block(self, values: np.ndarray, interpolate: bool) -> list[Result]:
         """Take the next block, as `checked_columns` returns it; return what is complete.
 
+        Blocks are worked on together, BATCH seconds at a time: what a step costs whatever its
+        length is then paid less often.
+
         Parameters
         ----------
         values : ndarray, shape (n, 13)
         interpolate : bool
             Whether the section must come from the samples, for want of events.
         """
+        self._waiting.append(values)
+        self._interpolate = interpolate
+        if sum(map(len, self._waiting)) < BATCH * self._rate:
+            return []
+        return self.flush()
+
+    def flush(self) -> list[Result]:
+        """Work on the blocks that wait; return what is complete."""
+        if not self._waiting:
+            return []
+        values = np.concatenate(self._waiting)
+        self._waiting = []
+        return self._work_on(values)
+
+    def _work_on(self, values: np.ndarray) -> list[Result]:
         channels = channels_of(values)
         phase = self._phase.push(column_of(values, 'pinion_angle'), column_of(values, 'gear_angle'))
         first, self._done = self._done, self._done + len(values)
@@ -109,7 +132,7 @@ class Record:
             results += self._envelope_results(start, count, envelope)
         for outcome in self.angle.push(channels, phase, first, self._phase.gear_lead):
             results.append(self._angle_result(outcome))
-        if interpolate:
+        if self._interpolate:
             results += self._interpolated(values, phase, first)
         self._last = np.append(values[-1], phase[-1])
         return results

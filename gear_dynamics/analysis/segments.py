@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+import numpy.typing as npt
 
 
 class SegmentBuffer:
@@ -18,12 +19,16 @@ class SegmentBuffer:
         Rows from the start of one segment to the start of the next, 1 to length.
     columns : int
         Columns of a row.
+    dtype : data type
+        Of the segments.
     """
 
-    def __init__(self, length: int, hop: int, columns: int) -> None:
+    def __init__(
+        self, length: int, hop: int, columns: int, dtype: npt.DTypeLike = np.float64
+    ) -> None:
         if not 1 <= hop <= length:
             raise ValueError(f'hop is {hop}: it must be from 1 to the segment length {length}')
-        self._rows = np.empty((length, columns))
+        self._rows = np.empty((length, columns), dtype)
         self._hop = hop
         self._filled = 0
 

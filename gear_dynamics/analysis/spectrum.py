@@ -5,6 +5,8 @@ Arrays hold one row a sample and one column a channel.
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 from scipy import fft, signal
 
@@ -19,6 +21,7 @@ HFT90D = (1.0, 1.942604, 1.340318, 0.440811, 0.043097)
 0.11 % low half way between two lines."""
 
 
+@functools.lru_cache(maxsize=16)
 def window_samples(name: str, length: int) -> np.ndarray:
     """Return a window for spectra (periodic form), by its SciPy name; `flattop` is HFT90D.
 
@@ -28,11 +31,14 @@ def window_samples(name: str, length: int) -> np.ndarray:
         If SciPy knows no such window, or it needs parameters of its own.
     """
     if name == 'flattop':
-        return signal.windows.general_cosine(length, HFT90D, sym=False)
-    try:
-        return signal.get_window(name, length)
-    except ValueError as error:
-        raise ValueError(f'window is {name!r}: SciPy says: {error}') from error
+        window = signal.windows.general_cosine(length, HFT90D, sym=False)
+    else:
+        try:
+            window = signal.get_window(name, length)
+        except ValueError as error:
+            raise ValueError(f'window is {name!r}: SciPy says: {error}') from error
+    window.flags.writeable = False  # it is kept for the next call
+    return window
 
 
 def mean_square_lines(segment: np.ndarray, window: np.ndarray) -> np.ndarray:
