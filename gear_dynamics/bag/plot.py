@@ -87,6 +87,7 @@ def _draw_waveform(axes: Axes, segments: Segments, channel: str) -> None:
         xlabel='time [s]',
         ylabel=f'{channel} [{UNITS[channel]}]',
     )
+    axes.ticklabel_format(axis='x', useOffset=False)
     axes.margins(x=0)
     axes.grid(alpha=0.3)
 
@@ -149,14 +150,15 @@ def _draw_indicators(
 ) -> None:
     """Draw the logged indicators, or RMS and kurtosis where none were logged."""
     axes.set(title=f'Indicators of {channel}, each over its median', xlabel='time [s]')
+    axes.set_yscale('log')
     axes.grid(alpha=0.3)
     curves = indicators or {
         'rms': np.column_stack([segments.t, segments.rms]),
         'kurtosis': np.column_stack([segments.t, segments.kurtosis]),
     }
     for name, points in curves.items():
-        median = np.median(points[:, 1])
-        if median != 0 and math.isfinite(median):
+        if len(points):
+            median = np.median(points[:, 1])
             label = f'{name} ({median:.3g})'
             axes.plot(points[:, 0], points[:, 1] / median, '.-', linewidth=0.8, label=label)
     axes.legend(fontsize='small', ncols=2)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
-import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -27,6 +26,9 @@ MOST_SEGMENTS = 400
 
 MOST_POINTS = 20_000
 """Points of a Poincaré section that are drawn, the last ones of the log."""
+
+INDICATORS = ('rms', 'peak', 'crest_factor', 'kurtosis', 'pinion_fm4', 'gear_fm4')
+"""Condition indicators that are drawn, by their names in `gear_pair/condition`."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -193,16 +195,12 @@ def _last_rows(blocks: Iterator[np.ndarray]) -> np.ndarray:
 def gather_indicators(log: Log, channel: str) -> dict[str, np.ndarray]:
     """Return the logged condition indicators of a channel: name to array of t [s] and value."""
     found: dict[str, list[tuple[float, float]]] = {}
-    try:
+    with contextlib.suppress(LogError):
         for rows in iter_rows(log, 'gear_pair/condition', columns=('t', 'name', 'key', 'value')):
-            for t, name, key, value in rows.tolist():
-                if channel in name:
+            for t, name, key, text in rows.tolist():
+                if name.endswith(channel) and key in INDICATORS:
                     with contextlib.suppress(ValueError):
-                        found.setdefault(key, []).append((t, float(value)))
-    except LogError:
-        return {}
-    return {
-        key: np.array(points)
-        for key, points in found.items()
-        if all(math.isfinite(value) for _, value in points)
-    }
+                        value = float(text)
+                        found.setdefault(key, []).append((t, value))
+    curves = {key: np.array(points) for key, points in found.items()}
+    return {key: points[np.isfinite(points[:, 1])] for key, points in curves.items()}
