@@ -1,0 +1,1 @@
+"""Figures of the studies, drawn from the data that they write."""

@@ -1,0 +1,54 @@
+"""The look that the figures share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+COLOURS = ('#1f6f8b', '#d1495b', '#e8a33d', '#5b8e5a')
+INK, FAINT, GRID = '#22303c', '#c3ccd4', '#eef1f4'
+
+STYLE = {
+    'font.size': 9,
+    'text.color': INK,
+    'axes.labelcolor': INK,
+    'axes.edgecolor': FAINT,
+    'axes.spines.top': False,
+    'axes.spines.right': False,
+    'axes.titlesize': 10,
+    'axes.titlelocation': 'left',
+    'axes.axisbelow': True,
+    'axes.grid': True,
+    'axes.prop_cycle': mpl.cycler(color=COLOURS),
+    'xtick.color': INK,
+    'ytick.color': INK,
+    'grid.color': GRID,
+    'legend.frameon': False,
+}
+
+Arrays = dict[str, np.ndarray]
+Draw = Callable[[Arrays], Figure]
+
+
+def new_figure(width: float, height: float, title: str) -> Figure:
+    """Return an empty figure with a title; sizes in inches."""
+    figure = Figure(figsize=(width, height), layout=ConstrainedLayoutEngine(h_pad=0.08, w_pad=0.08))
+    figure.suptitle(title, x=0.012, ha='left', fontsize=12, fontweight='bold')
+    return figure
+
+
+def save_figure(draw: Draw, arrays: Arrays, path: Path) -> None:
+    """Draw a figure and write it as PNG."""
+    with mpl.rc_context(STYLE):
+        draw(arrays).savefig(path, dpi=130)
+
+
+def zero_line(axes: Axes) -> None:
+    """Draw the line at zero."""
+    axes.axhline(0, color=INK, linewidth=0.6)

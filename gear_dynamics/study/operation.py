@@ -1,0 +1,105 @@
+"""What is studied: a gear pair at a speed and a load, and how one of its values is varied."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from gear_dynamics import parameter_files
+from gear_dynamics.config_files import config_file
+from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.parameter import ParameterError
+from gear_dynamics.model.run_settings import RunSettings
+
+FREQUENCY_RATIO = 'w'
+"""Name of the ratio of the mesh frequency to wn; it stands for the speed."""
+
+
+class Operation(NamedTuple):
+    """A gear pair at work.
+
+    Attributes
+    ----------
+    pair : GearPair
+    speed : float
+        Of the pinion [rad/s].
+    load_torque : float
+        On the gear [N m].
+    """
+
+    pair: GearPair
+    speed: float
+    load_torque: float
+
+    @property
+    def frequency_ratio(self) -> float:
+        """w: mesh frequency over wn."""
+        return self.pair.pinion_teeth * self.speed / self.pair.derived.wn
+
+    @property
+    def cycle(self) -> float:
+        """Length of a mesh cycle in tau = wn t."""
+        return 2 * math.pi / self.frequency_ratio
+
+    def with_value(self, name: str, value: float) -> Operation:
+        """Return the same with another value of w, speed, load_torque or a pair's parameter.
+
+        Raises
+        ------
+        ParameterError
+            If there is no such number, or the value is out of its range.
+        """
+        if name == FREQUENCY_RATIO:
+            return self._replace(speed=value * self.pair.derived.wn / self.pair.pinion_teeth)
+        if name in ('speed', 'load_torque'):
+            return self._replace(**{name: value})
+        numbers = [a.name for a in self.pair.parameters() if isinstance(a.default, float)]
+        if name not in numbers:
+            known = ', '.join([FREQUENCY_RATIO, 'speed', 'load_torque', *numbers])
+            raise ParameterError(f'{name} cannot be varied; known are {known}')
+        return self._replace(pair=dataclasses.replace(self.pair, **{name: value}))
+
+    def scaled(self, sections: np.ndarray) -> np.ndarray:
+        """Return delta / b and delta_dot / (b wn) of sections, (..., 2)."""
+        b, wn = self.pair.half_backlash, self.pair.derived.wn
+        return sections[..., :2] / [b, b * wn]
+
+
+def read_operation(path: str | Path) -> Operation:
+    """Return what a ROS parameter file for `gear_sim` describes.
+
+    Raises
+    ------
+    ParameterError
+        If the file is missing or has a value that is not allowed.
+    """
+    pair = parameter_files.GearPair.from_yaml(path)
+    values = parameter_files.read_parameters(path)
+    names = ('speed', 'load_torque')
+    run = RunSettings.from_mapping({name: values[name] for name in names if name in values})
+    plain = GearPair.from_mapping(pair.to_mapping())
+    return Operation(plain, run.speed, run.load_torque)
+
+
+def default_operation() -> Operation:
+    """Return the default pair at the default speed and load."""
+    run = RunSettings()
+    return Operation(GearPair(), run.speed, run.load_torque)
+
+
+def friction_chaos() -> Operation:
+    """Return the preset whose motion is chaotic without friction and periodic with it.
+
+    Raises
+    ------
+    ParameterError
+        If config/friction_chaos.yaml was not installed.
+    """
+    path = config_file('friction_chaos.yaml')
+    if path is None:
+        raise ParameterError('friction_chaos.yaml is not installed: name a file with --params')
+    return read_operation(path)

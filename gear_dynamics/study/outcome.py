@@ -1,0 +1,59 @@
+"""What a study found, and its files: NPZ, CSV, text."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Outcome(NamedTuple):
+    """What a study found.
+
+    Attributes
+    ----------
+    name : str
+        Of the files, without ending.
+    text : str
+        The result in a few lines.
+    table : dict of str to (n,) array
+        What the CSV holds: columns, each name with its unit in brackets.
+    arrays : dict of str to array
+        What the NPZ holds: the data of the figure, units in the names' documentation.
+    """
+
+    name: str
+    text: str
+    table: dict[str, np.ndarray]
+    arrays: dict[str, np.ndarray]
+
+
+def write_outcome(outcome: Outcome, directory: Path) -> list[Path]:
+    """Write the data and the text of an outcome; return the paths of the files.
+
+    Raises
+    ------
+    OSError
+        If they cannot be written.
+    """
+    directory.mkdir(parents=True, exist_ok=True)
+    base = directory / outcome.name
+    np.savez_compressed(base.with_suffix('.npz'), **outcome.arrays)
+    base.with_suffix('.csv').write_text(csv_text(outcome.table), encoding='utf-8')
+    base.with_suffix('.txt').write_text(outcome.text + '\n', encoding='utf-8')
+    return [base.with_suffix(ending) for ending in ('.npz', '.csv', '.txt')]
+
+
+def csv_text(table: dict[str, np.ndarray]) -> str:
+    """Return a table as CSV, with the units in its header."""
+    columns = [np.asarray(column) for column in table.values()]
+    lines = [','.join(table)]
+    lines += [','.join(_cell(value) for value in row) for row in zip(*columns, strict=True)]
+    return '\n'.join(lines) + '\n'
+
+
+def _cell(value: object) -> str:
+    if isinstance(value, float | np.floating):
+        return f'{value:.9g}'
+    return str(value)
