@@ -25,13 +25,16 @@ if TYPE_CHECKING:
 
 FOLDER = Path('demo')
 DURATION = 15.0
-"""How long it streams [s]; the speed changes in the middle."""
+"""How long it streams, in the time of the model [s]; the speed changes in the middle."""
 
 SECOND_SPEED = 534.07
 """Pinion speed of the second half [rad/s]: 5100 rpm, at which the teeth rattle chaotically."""
 
 PATIENCE = 300.0
 """How long the first start may take [s]: it compiles the model."""
+
+SILENCE = 30.0
+"""How long no block may come while it streams [s]."""
 
 CLOSING = 8.0
 """How long a process may take to close [s]."""
@@ -84,7 +87,7 @@ def _report(log: Path, streamed: Streamed) -> None:
         f'streamed at {settings.sample_rate:g} samples/s',
     )
     print(
-        f'\nStreamed {streamed.blocks} blocks of {settings.block_size} samples in {DURATION:g} s, '
+        f'\nStreamed {streamed.blocks} blocks of {settings.block_size} samples, {DURATION:g} s, '
         f'at {streamed.real_time_factor:.3f} times real time.\n'
         f'The log has {gaps or "no"} gap{"" if gaps == 1 else "s"}.'
     )
@@ -104,7 +107,7 @@ def stream(folder: Path, duration: float) -> Streamed:
     folder : Path
         Where the log and what the processes say go.
     duration : float
-        How long to stream [s].
+        How long to stream, in the time of the model [s].
 
     Raises
     ------
@@ -146,19 +149,20 @@ def _wait_for_stream(rig: Remote, children: tuple[Child, ...]) -> None:
 
 
 def _drive(rig: Remote, children: tuple[Child, ...], duration: float) -> Streamed:
-    before, since = rig.blocks, rig.heard
-    start, changed = time.monotonic(), False
-    with tqdm(desc='streaming', total=duration, unit='s', bar_format=BAR) as bar:
+    settings = SimSettings()
+    block = settings.block_size / settings.sample_rate
+    first, start, changed = rig.blocks, rig.heard, False
+    with tqdm(desc='streaming', total=duration, bar_format=BAR) as bar:
         while bar.n < duration:
-            rig.listen(0.05)
-            bar.update(min(time.monotonic() - start, duration) - bar.n)
+            rig.listen(0.1)
+            bar.update((rig.blocks - first) * block - bar.n)
             _check(children)
+            if time.monotonic() - rig.heard > SILENCE:
+                raise DemoError(f'the sim has been silent for {SILENCE:.0f} s')
             if bar.n > duration / 2 and not changed:
                 rig.set_speed(SECOND_SPEED)
                 changed = True
-    blocks, settings = rig.blocks - before, SimSettings()
-    streamed = blocks * settings.block_size / settings.sample_rate
-    return Streamed(blocks, streamed / (rig.heard - since))
+    return Streamed(rig.blocks - first, bar.n / (rig.heard - start))
 
 
 def _check(children: tuple[Child, ...]) -> None:
@@ -194,6 +198,7 @@ class Child:
             print(f'demo: {self._name} did not close and was ended', file=sys.stderr)
         finally:
             self._process.kill()
+            self._process.wait()
 
     def check(self) -> None:
         """Raise a `DemoError` with the last thing that the process said if it has ended."""

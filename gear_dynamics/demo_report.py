@@ -15,6 +15,9 @@ from gear_dynamics.settings import SimSettings
 SETTLED = 4.0
 """The end of each half, in which the motion has settled at its speed [s]."""
 
+AVERAGED = 1.0
+"""What an averaged spectrum spans at most, from its stamp on [s]."""
+
 SHOWN_CYCLES = 8
 """Mesh cycles of the waveform in the picture."""
 
@@ -54,11 +57,16 @@ def read_halves(log: Path, teeth: int) -> tuple[list[Half], int]:
     teeth : int
         Of the pinion.
     """
-    t = read_log(log, columns=('t',))['t']
-    gaps = np.count_nonzero(np.diff(t) > 1.5 / SimSettings().sample_rate)
-    command = read_log(log, 'gear_pair/cmd/speed')[0]
-    first = _read_half(log, command['t'], teeth, SimSettings().speed)
-    second = _read_half(log, t[-1], teeth, command['data'])
+    settings = SimSettings()
+    samples = read_log(log, columns=('t', 'speed'))
+    gaps = np.count_nonzero(np.diff(samples['t']) > 1.5 / settings.sample_rate)
+    # Averaged by blocks, since the shaft's speed carries the vibration of its rotation.
+    blocks = len(samples) // settings.block_size
+    speed = samples['speed'][: blocks * settings.block_size].reshape(blocks, -1).mean(axis=1)
+    changing = int(np.argmax(speed > 1.05 * speed[0])) * settings.block_size
+    command = read_log(log, 'gear_pair/cmd/speed')['data'][0]
+    first = _read_half(log, samples['t'][changing], teeth, settings.speed)
+    second = _read_half(log, samples['t'][-1], teeth, command)
     return [first, second], int(gaps)
 
 
@@ -66,7 +74,7 @@ def _read_half(log: Path, end: float, teeth: int, speed: float) -> Half:
     mesh = teeth * speed / (2 * math.pi)
     settled, shown = end - SETTLED, end - SHOWN_CYCLES / mesh
     columns = ('t', 'frequency', 'pinion_ay')
-    spectra = read_log(log, 'gear_pair/spectrum', settled, end, columns)
+    spectra = read_log(log, 'gear_pair/spectrum', settled, end - AVERAGED, columns)
     spectrum = spectra[spectra['t'] == spectra['t'][-1]]
     return Half(
         rpm=speed * 30 / math.pi,
