@@ -9,6 +9,9 @@ from scipy import fft, signal
 
 from gear_dynamics.analysis.spectrum import amplitude_spectrum
 
+SILENT = 1e-15
+"""Mean square of a band, against the peak of the signal, that is rounding."""
+
 
 class Band(NamedTuple):
     """A frequency band [Hz] and the kurtosis of its envelope, 0 for Gaussian noise."""
@@ -109,7 +112,8 @@ def kurtogram(x: np.ndarray, rate: float, levels: int = 6) -> list[Band]:
     levels : int
         Deepest level; bands of fewer than 64 samples are left out.
     """
-    lines = fft.rfft(x - np.mean(x))[1:]
+    centred = x - np.mean(x)
+    lines = fft.rfft(centred / max(np.max(np.abs(centred)), np.finfo(centred.dtype).tiny))[1:]
     halves = {2**k for k in range(levels + 1)}
     thirds = {3 * 2**k for k in range(levels - 1)}
     bands: list[Band] = []
@@ -119,7 +123,7 @@ def kurtogram(x: np.ndarray, rate: float, levels: int = 6) -> list[Band]:
             break
         signals = fft.ifft(lines[: width * count].reshape(count, width), axis=1)
         square = signals.real**2 + signals.imag**2
-        mean = np.maximum(square.mean(axis=1), np.finfo(float).tiny)
+        mean = np.maximum(square.mean(axis=1), SILENT)
         kurtosis = (square**2).mean(axis=1) / mean**2 - 2
         edges = np.arange(count + 1) * width * rate / len(x)
         bands += [

@@ -25,7 +25,7 @@ def mesh_phase(
     pinion_weight : float
         Weight of the pinion's angle against the gear's. With the share of the inertia,
         `pinion_inertia_share`, the torsional vibration of the pair cancels and the rotation of
-        the rigid pair remains.
+        the rigid pair remains, with the slow twist of the drive: nothing in steady motion.
     """
     pinion = np.unwrap(np.asarray(pinion_angle, dtype=float)) * pinion_teeth / (2 * np.pi)
     if pinion_weight == 1:

@@ -221,7 +221,7 @@ class Record:
         if average.notes[index]:
             notes['not_a_number'] = average.notes[index]
         message = average.notes[index] or 'within its limits'
-        if average.within_noise[index]:
+        if average.within_noise[index] and not average.notes[index]:
             message = WITHIN_NOISE
             return ConditionRow(CHANNELS[index], Level.OK, message, values, notes)
         return condition_row(CHANNELS[index], values, self._thresholds, notes, message)

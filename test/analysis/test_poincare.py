@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from gear_dynamics.analysis.order_tracking import mesh_phase, pinion_inertia_share
 from gear_dynamics.analysis.poincare import (
     poincare_points,
     section_by_contact_loss,
@@ -9,6 +10,8 @@ from gear_dynamics.analysis.poincare import (
 )
 from gear_dynamics.analysis.rattle import rattle
 from gear_dynamics.model.columns import EVENTS, EventKind
+from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.simulator import Simulator
 
 RATE = 51200.0
 T = np.arange(8192) / RATE
@@ -74,3 +77,32 @@ def test_rattle_of_a_sine(amplitude, share, words):
     assert found.words.startswith(words)
     assert found.losses == (0 if amplitude < 0.5 else 10)
     assert found.back_impacts == (10 if amplitude > 2.5 else 0)
+
+
+def test_interpolated_section_against_the_integrators_own_states():
+    simulator = Simulator(
+        GearPair(friction_coefficient=0.0),
+        sample_rate=204800.0,
+        speed=104.72,
+        load_torque=150.0,
+        anti_alias=False,
+    )
+    simulator.advance(51200)
+    simulator.take_events()
+    samples = simulator.advance(51200)
+    events = simulator.take_events()
+    exact = section_from_events(events)
+    derived = simulator.pair.derived
+    share = pinion_inertia_share(derived.pinion_inertia, derived.gear_inertia, 34, 59)
+    phase = mesh_phase(samples['pinion_angle'], samples['gear_angle'], 34, 59, share)
+    found = section_by_phase(samples['t'], phase, samples['delta'], samples['delta_dot'], 0.5)
+    common = min(len(found), len(exact))
+    assert common > 130
+    offset = np.argmin(np.abs(found['t'] - exact['t'][5])) - 5
+    one, other = exact[5 : common - 5], found[5 + offset : common - 5 + offset]
+    # Without friction the drive does not twist, and the angles tell the phase of the mesh.
+    np.testing.assert_allclose(other['t'], one['t'], atol=1e-9)
+    np.testing.assert_allclose(other['delta'], one['delta'], atol=1e-3 * np.ptp(samples['delta']))
+    np.testing.assert_allclose(
+        other['delta_dot'], one['delta_dot'], atol=5e-3 * np.ptp(samples['delta_dot'])
+    )
