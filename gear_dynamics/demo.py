@@ -36,6 +36,9 @@ PATIENCE = 300.0
 SILENCE = 30.0
 """How long no block may come while it streams [s]."""
 
+PAUSE = 2.0
+"""How long the analyzer lets pass between two results at most [s]."""
+
 CLOSING = 8.0
 """How long a process may take to close [s]."""
 
@@ -119,10 +122,13 @@ def stream(folder: Path, duration: float) -> Streamed:
     os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
     sim = Child('sim', folder, {})
     analyzer = Child('analyzer', folder, {'log_directory': folder})
-    with _remote() as rig, sim, analyzer:
-        children = (sim, analyzer)
-        _wait_for_stream(rig, children)
-        return _drive(rig, children, duration)
+    with _remote() as rig, analyzer:
+        with sim:
+            children = (sim, analyzer)
+            _wait_for_stream(rig, children)
+            streamed = _drive(rig, children, duration)
+        _let_finish(rig)
+        return streamed
 
 
 def _remote() -> Remote:
@@ -163,6 +169,13 @@ def _drive(rig: Remote, children: tuple[Child, ...], duration: float) -> Streame
                 rig.set_speed(SECOND_SPEED)
                 changed = True
     return Streamed(rig.blocks - first, bar.n / (rig.heard - start))
+
+
+def _let_finish(rig: Remote) -> None:
+    """Wait until the analyzer, which may be behind on a busy machine, has no more to say."""
+    end = time.monotonic() + SILENCE
+    while time.monotonic() < min(end, rig.heard_result + PAUSE):
+        rig.listen(0.1)
 
 
 def _check(children: tuple[Child, ...]) -> None:

@@ -21,18 +21,20 @@ class Remote:
         Blocks heard so far.
     heard : float
         When the last one was heard, by a steady clock [s].
+    heard_result : float
+        When a spectrum of the analyzer was last heard [s].
     """
 
     def __init__(self) -> None:
         self.blocks = 0
-        self.heard = 0.0
+        self.heard = self.heard_result = 0.0
         self._context = rclpy.Context()
         rclpy.init(args=[], context=self._context, signal_handler_options=SignalHandlerOptions.NO)
         self._node = rclpy.create_node('gear_remote', context=self._context)
         self._speed = self._node.create_publisher(Float64, 'gear_pair/cmd/speed', 10)
-        self._node.create_subscription(
-            PointCloud2, 'gear_pair/samples', self._on_block, 1000, raw=True
-        )
+        hear = self._node.create_subscription
+        hear(PointCloud2, 'gear_pair/samples', self._on_block, 1000, raw=True)
+        hear(PointCloud2, 'gear_pair/spectrum', self._on_spectrum, 10, raw=True)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
 
@@ -65,3 +67,6 @@ class Remote:
     def _on_block(self, data: bytes) -> None:
         self.blocks += 1
         self.heard = time.monotonic()
+
+    def _on_spectrum(self, data: bytes) -> None:
+        self.heard_result = time.monotonic()
