@@ -124,7 +124,7 @@ def log_info(path: LogPath) -> LogInfo:
             end=end,
             topics=tuple(topics),
             configurations=tuple(_changes(configurations)),
-            damage=tuple(dict.fromkeys(damage)),
+            damage=tuple(damage),
         )
 
 

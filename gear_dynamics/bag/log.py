@@ -46,16 +46,24 @@ class Log:
 
     def __init__(self, path: LogPath, on_damage: Callable[[Damage], None] = warn_of) -> None:
         self._stack = contextlib.ExitStack()
-        self.on_damage = on_damage
+        self._on_damage = on_damage
+        self._told: set[Damage] = set()
+        self._topics: dict[str, str] | None = None
         self.sources: list[McapSource] = []
         try:
             for file in find_files(path):
-                source = McapSource(file, on_damage)
+                source = McapSource(file, self.damaged)
                 self._stack.callback(source.close)
                 self.sources.append(source)
         except BaseException:
             self.close()
             raise
+
+    def damaged(self, damage: Damage) -> None:
+        """Tell of a damaged place, once however often it is met."""
+        if damage not in self._told:
+            self._told.add(damage)
+            self._on_damage(damage)
 
     def close(self) -> None:
         """Close all files."""
@@ -97,11 +105,14 @@ class Log:
 
     def topics(self) -> dict[str, str]:
         """Return the types of all topics by name; without an index the whole log is read."""
-        for source in self.sources:
-            if source.summary is None:
-                for _ in source.messages():
-                    pass
-        return {c.topic: c.type_name for s in self.sources for c in s.channels.values()}
+        if self._topics is None:
+            for source in self.sources:
+                if source.summary is None:
+                    for _ in source.messages():
+                        pass
+            channels = [c for source in self.sources for c in source.channels.values()]
+            self._topics = {channel.topic: channel.type_name for channel in channels}
+        return self._topics
 
     def resolve(self, topic: str) -> str:
         """Return the absolute name of a topic: the name itself, or its only match in a namespace.

@@ -100,19 +100,20 @@ def iter_rows(
     hidden = columns is not None and 't' not in columns and (start, end) != (None, None)
     reader = row_reader(log.topics()[name], ['t', *columns] if hidden and columns else columns)
     origin = log.origin()
+    low = -np.inf if start is None else start
+    high = np.inf if end is None else end
     for source, message in log.messages([name]):
         try:
-            rows = reader.read(message.data, (message_time(message) - origin) * 1e-9)
+            t = (message_time(message) - origin) * 1e-9
+            rows = reader.read(message.data, t, low, high)
         except LogError:
             raise
         except ValueError as error:
             reason = f'a message of {name} at log time {message.log_time} ns is skipped: {error}'
-            log.on_damage(Damage(source.path, message.offset, reason))
+            log.damaged(Damage(source.path, message.offset, reason))
             continue
-        if start is not None and rows['t'].min(initial=np.inf) < start:
-            rows = rows[rows['t'] >= start]
-        if end is not None and rows['t'].max(initial=-np.inf) >= end:
-            rows = rows[rows['t'] < end]
+        if (start, end) != (None, None):
+            rows = rows[(rows['t'] >= low) & (rows['t'] < high)]
         if len(rows):
             yield repack_fields(rows[list(columns or ())]) if hidden else rows
 

@@ -57,7 +57,6 @@ def recover(path: LogPath, folder: Path, compression: str = 'zstd') -> Recovery:
     with Log(path, lost.append) as log:
         if next(log.messages(), None) is None:
             raise LogError('there is no message that can be saved')
-        lost.clear()
         try:
             folder.mkdir(parents=True)
         except FileExistsError:
@@ -69,11 +68,11 @@ def recover(path: LogPath, folder: Path, compression: str = 'zstd') -> Recovery:
         for source, message in log.messages():
             topic = copy.topic(message.channel)
             if isinstance(topic, str):
-                lost.append(Damage(source.path, message.offset, topic))
+                log.damaged(Damage(source.path, message.offset, topic))
             else:
                 copy.write(topic, bytes(message.data), message.log_time, message.publish_time)
         copy.finish()
-        return Recovery(folder, copy.messages, tuple(dict.fromkeys(lost)))
+        return Recovery(folder, copy.messages, tuple(lost))
 
 
 class _Copy:

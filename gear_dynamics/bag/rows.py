@@ -20,8 +20,10 @@ _STAMP = struct.Struct('<iI')
 class RowReader(Protocol):
     """Turns messages of one topic into rows."""
 
-    def read(self, data: memoryview, t: float) -> np.ndarray:
-        """Return the rows of a message whose stamp is `t` [s].
+    def read(self, data: memoryview, t: float, low: float, high: float) -> np.ndarray:
+        """Return the rows of a message whose stamp is `t` [s], none if all are out of range.
+
+        The range is low <= t < high [s]; a message that is partly in it is returned whole.
 
         Raises
         ------
@@ -48,9 +50,11 @@ class TableRows:
         self._wire = np.dtype([])
         self._dtype = np.dtype([])
 
-    def read(self, data: memoryview, t: float) -> np.ndarray:
+    def read(self, data: memoryview, t: float, low: float, high: float) -> np.ndarray:
         """Return the rows with t [s] as float64; see `RowReader`."""
         wire = self._decode(data)
+        if not self._overlaps(wire, t, low, high):
+            return np.empty(0, self._dtype)
         rows = np.empty(len(wire), self._dtype)
         names = self._dtype.names or ()
         if self._dtype == SAMPLES and wire.dtype.itemsize == 4 * len(names):
@@ -63,6 +67,13 @@ class TableRows:
         if 't' in names:
             rows['t'] += t
         return rows
+
+    def _overlaps(self, wire: np.ndarray, t: float, low: float, high: float) -> bool:
+        if low == -np.inf and high == np.inf:
+            return True
+        if not len(wire) or 't' not in (wire.dtype.names or ()):
+            return low <= t < high
+        return bool(t + float(wire['t'].max()) >= low and t + float(wire['t'].min()) < high)
 
     def _decode(self, data: memoryview) -> np.ndarray:
         offset = self._offset
@@ -99,8 +110,10 @@ class MessageRows:
         self._type_name = type_name
         self._columns = columns
 
-    def read(self, data: memoryview, t: float) -> np.ndarray:
+    def read(self, data: memoryview, t: float, low: float, high: float) -> np.ndarray:
         """Return the rows, texts as wide as they need be; see `RowReader`."""
+        if not low <= t < high:
+            return np.empty(0, [('t', np.float64)])
         message = deserialize(data, self._type_name)
         rows = [{'t': t, **row} for row in self._rows(message)]
         if not rows:
