@@ -87,7 +87,7 @@ def _report(log: Path, streamed: Streamed) -> None:
         picture,
         halves,
         f'A spur gear pair of {teeth} teeth under {settings.load_torque:g} N m, '
-        f'streamed at {settings.sample_rate:g} samples/s',
+        f'streamed at {settings.sample_rate / 1000:g} kHz',
     )
     print(
         f'\nStreamed {streamed.blocks} blocks of {settings.block_size} samples, {DURATION:g} s, '

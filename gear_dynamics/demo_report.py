@@ -18,6 +18,9 @@ SETTLED = 4.0
 AVERAGED = 1.0
 """What an averaged spectrum spans at most, from its stamp on [s]."""
 
+RAMP = 10
+"""Blocks before a change of 5 %, at which the speed had not begun to change."""
+
 SHOWN_CYCLES = 8
 """Mesh cycles of the waveform in the picture."""
 
@@ -63,9 +66,9 @@ def read_halves(log: Path, teeth: int) -> tuple[list[Half], int]:
     # Averaged by blocks, since the shaft's speed carries the vibration of its rotation.
     blocks = len(samples) // settings.block_size
     speed = samples['speed'][: blocks * settings.block_size].reshape(blocks, -1).mean(axis=1)
-    changing = int(np.argmax(speed > 1.05 * speed[0])) * settings.block_size
+    changing = int(np.argmax(speed > 1.05 * speed[0])) - RAMP
     command = read_log(log, 'gear_pair/cmd/speed')['data'][0]
-    first = _read_half(log, samples['t'][changing], teeth, settings.speed)
+    first = _read_half(log, samples['t'][changing * settings.block_size], teeth, settings.speed)
     second = _read_half(log, samples['t'][-1], teeth, command)
     return [first, second], int(gaps)
 
