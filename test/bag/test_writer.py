@@ -1,12 +1,18 @@
 """The log as independent readers see it, and its splits, limits and queue."""
 
+import io
 import itertools
+import struct
 
 import bag_support
 import numpy as np
 import pytest
 import yaml
+from mcap.data_stream import ReadDataStream
+from mcap.opcode import Opcode
 from mcap.reader import make_reader
+from mcap.records import Chunk, MessageIndex
+from mcap.stream_reader import get_chunk_data_stream
 from mcap_ros2.decoder import DecoderFactory
 from rosbags.interfaces import QosDurability, QosReliability
 from rosbags.rosbag2 import Reader
@@ -234,3 +240,65 @@ def test_two_logs_in_the_same_second_have_folders_of_their_own(tmp_path):
     with LogWriter(tmp_path, {}, free_floor=0.0), LogWriter(tmp_path, {}, free_floor=0.0):
         pass
     assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_indexes_point_at_what_they_name(bag):
+    """Readers in C++ seek by the message indexes and the summary offsets."""
+    folder, _ = bag
+    for path in bag_files(folder):
+        content = path.read_bytes()
+        with path.open('rb') as stream:
+            summary = make_reader(stream).get_summary()
+        messages = 0
+        for chunk in summary.chunk_indexes:
+            records = chunk_records(content, chunk)
+            at = chunk.chunk_start_offset + chunk.chunk_length
+            assert sorted(chunk.message_index_offsets.values())[0] == at
+            for channel, offset in chunk.message_index_offsets.items():
+                opcode, length = struct.unpack_from('<BQ', content, offset)
+                assert opcode == Opcode.MESSAGE_INDEX
+                index = MessageIndex.read(
+                    ReadDataStream(io.BytesIO(content[offset + 9 : offset + 9 + length]))
+                )
+                assert index.channel_id == channel
+                for time, place in index.records:
+                    found = struct.unpack_from('<BQHIQ', records, place)
+                    assert (found[0], found[2], found[4]) == (Opcode.MESSAGE, channel, time)
+                    assert chunk.message_start_time <= time <= chunk.message_end_time
+                messages += len(index.records)
+        assert messages == summary.statistics.message_count
+        assert len(summary.chunk_indexes) == summary.statistics.chunk_count
+        check_summary_offsets(content)
+
+
+def chunk_records(content, index):
+    stream = ReadDataStream(io.BytesIO(content[index.chunk_start_offset + 9 :]))
+    return get_chunk_data_stream(Chunk.read(stream), validate_crc=True)[0].read(
+        index.uncompressed_size
+    )
+
+
+def check_summary_offsets(content):
+    footer = struct.unpack_from('<BQQQI', content, len(content) - 37)
+    assert footer[:2] == (Opcode.FOOTER, 20)
+    start, at, groups = footer[2], footer[3], {}
+    while content[at] == Opcode.SUMMARY_OFFSET:
+        group, first, length = struct.unpack_from('<BQQ', content, at + 9)
+        groups[group] = (first, length)
+        at += 9 + 17
+    assert at == len(content) - 37
+    for opcode, (first, length) in groups.items():
+        place = first
+        while place < first + length:
+            kind, size = struct.unpack_from('<BQ', content, place)
+            assert kind == opcode
+            place += 9 + size
+        assert place == first + length
+    assert min(first for first, _ in groups.values()) == start
+    assert set(groups) == {
+        Opcode.SCHEMA,
+        Opcode.CHANNEL,
+        Opcode.STATISTICS,
+        Opcode.CHUNK_INDEX,
+        Opcode.METADATA_INDEX,
+    }
