@@ -20,8 +20,9 @@ from mcap.records import Channel, Metadata, Schema
 
 _Record = TypeVar('_Record', Channel, Schema, Metadata)
 
-LARGEST_CHUNK = 1 << 30
-"""Uncompressed bytes beyond which a chunk is taken for damaged, lest it exhaust the memory."""
+LARGEST_RECORD = 1 << 30
+"""Bytes beyond which a record, or what it unpacks to, is taken for damaged, lest it exhaust the
+memory."""
 
 PARSE_ERRORS = (McapError, struct.error, ValueError, OverflowError, MemoryError)
 """What mcap's record classes raise on bytes that are no such record."""
@@ -61,7 +62,7 @@ def unpack_chunk(content: bytes | memoryview) -> memoryview:
         If sizes, compression or CRC do not hold.
     """
     size, crc, compression, data = _split(content)
-    if size > LARGEST_CHUNK:
+    if size > LARGEST_RECORD:
         raise ChunkError(f'it claims {size} bytes')
     try:
         records = memoryview(_decompress(compression, data, size))

@@ -133,6 +133,7 @@ class BagFolder:
                 number += 1
                 path = self.directory / f'{name}_{number}'
             else:
+                sync_folder(self.directory)
                 self.path = path
                 return path
 

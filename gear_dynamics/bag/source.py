@@ -17,6 +17,7 @@ from mcap.summary import Summary
 from mcap.writer import MCAP0_MAGIC
 
 from gear_dynamics.bag.chunks import (
+    LARGEST_RECORD,
     PARSE_ERRORS,
     RECORD,
     ChunkError,
@@ -237,7 +238,7 @@ class McapSource:
             opcode, length = RECORD.unpack(head) if len(head) == RECORD.size else (0, 0)
             end = at + RECORD.size + length
             content = b''
-            if opcode in _KNOWN and end <= self.size:
+            if opcode in _KNOWN and end <= self.size and length <= LARGEST_RECORD:
                 content = os.pread(self.file, length, at + RECORD.size)
             if not _plausible(opcode, length, content):
                 next_chunk = find_chunk(self.file, at + 1, self.size)
@@ -272,7 +273,10 @@ class McapSource:
             return None
         opcode, length, start, _, crc = _FOOTER.unpack_from(tail)
         end = self.size - tail_size
-        if (opcode, length) != (Opcode.FOOTER, _FOOTER.size - 9) or not 0 < start <= end:
+        if (opcode, length) != (
+            Opcode.FOOTER,
+            _FOOTER.size - 9,
+        ) or not 0 < start <= end <= start + LARGEST_RECORD:
             return None
         summary = os.pread(self.file, end - start, start)
         if crc and zlib.crc32(tail[: _FOOTER.size - 4], zlib.crc32(summary)) != crc:
