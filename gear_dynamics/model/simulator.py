@@ -13,7 +13,7 @@ from gear_dynamics.model.band_limit import BandLimiter
 from gear_dynamics.model.columns import EVENTS, SAMPLE_COLUMNS, SAMPLES
 from gear_dynamics.model.constants import pack
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.kernel import kernel
+from gear_dynamics.model.kernel import borrowed, kernel
 from gear_dynamics.model.layout import HIGH_RATE_COLUMNS, OVERSAMPLING
 from gear_dynamics.model.motion import at_rest
 from gear_dynamics.model.parameter import ParameterError
@@ -45,17 +45,17 @@ def _fill(
     return stepper.fill_samples(
         constants[0],
         clock[0],
-        zones,
-        profiles,
-        state[0],
-        series[0],
-        error[0],
-        segment[0],
-        work[0],
-        point[0],
-        events[0],
+        borrowed(zones),
+        borrowed(profiles),
+        borrowed(state)[0],
+        borrowed(series)[0],
+        borrowed(error)[0],
+        borrowed(segment)[0],
+        borrowed(work)[0],
+        borrowed(point)[0],
+        borrowed(events)[0],
         angles_every,
-        out,
+        borrowed(out),
     )
 
 
