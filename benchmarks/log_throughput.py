@@ -126,10 +126,10 @@ def benchmark_writing(folder: Path, rows: list[np.ndarray], seconds: float) -> N
     for name, given, write in cases:
         took = timed(lambda: write(given))  # noqa: B023 (called at once)
         streamed = len(given) / BLOCKS_A_SECOND
-        amount = sum(len(data) for _, data in given) / 1e6
+        rate = sum(len(data) for _, data in given) / 1e6 / took.clock
         print(
             f'  {name:<18} {streamed / took.clock:5.0f} x the stream, '
-            f'{streamed / took.cpu:5.0f} x per core, {amount / took.clock:5.0f} MB/s   {took.result}'
+            f'{streamed / took.cpu:5.0f} x per core, {rate:5.0f} MB/s   {took.result}'
         )
     for compression in ('none', 'lz4', 'zstd'):
         used = sum(f.stat().st_size for f in (folder / compression).rglob('*.mcap'))
