@@ -68,11 +68,10 @@ class Runner:
             bar.update()
         bar.close()
 
-    def finish(self) -> None:
-        """Forget the parts: the study is whole and written."""
+    def forget(self) -> None:
+        """Remove the parts: the study is whole and written."""
         if self._parts is not None:
             shutil.rmtree(self._parts, ignore_errors=True)
-        self.close()
 
     def close(self) -> None:
         """Leave the cluster."""
@@ -145,6 +144,8 @@ def _pieces(value: Any) -> Iterable[bytes]:
 
 
 def chunks(count: int, size: int) -> list[slice]:
-    """Return slices of at most `size` that cover `count` things; they do not depend on the
-    machine, so that a study can go on elsewhere."""
+    """Return slices of at most `size` that cover `count` things.
+
+    They do not depend on the machine, so that a study can go on elsewhere.
+    """
     return [slice(begin, min(begin + size, count)) for begin in range(0, count, size)]

@@ -37,7 +37,7 @@ def _orbits(axes: Axes, values: np.ndarray, delta: np.ndarray, title: str) -> No
         colour = COLOURS[direction]
         axes.scatter(x, y, s=size, color=colour, linewidths=0, label=label, rasterized=True)
     axes.set_title(title)
-    axes.legend(markerscale=8, loc='upper right')
+    axes.legend(markerscale=8, loc='lower left')
 
 
 def _exponents(axes: Axes, values: np.ndarray, exponent: np.ndarray) -> None:

@@ -113,7 +113,7 @@ def bifurcation(
         frictions = [operation.pair.friction_coefficient]
     values = np.linspace(begin, end, count)
     chains = _chains(operation, frictions, parameter, values)
-    states = _follow(chains, transient, runner)
+    states = follow(chains, transient, runner)
     arguments = [
         {'operations': chain[part], 'states': start[part], 'cycles': cycles}
         for chain, start in zip(chains, states, strict=True)
@@ -148,7 +148,7 @@ def _chains(
     return chains
 
 
-def _follow(chains: list[list[Operation]], cycles: int, runner: Runner) -> np.ndarray:
+def follow(chains: list[list[Operation]], cycles: int, runner: Runner) -> np.ndarray:
     """Return the state after the transient for each chain and value, (chains, values, STATES)."""
     states = np.concatenate([scattered_states(chain[0], 1) for chain in chains])
     parts = []

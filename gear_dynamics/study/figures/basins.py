@@ -1,0 +1,35 @@
+"""The picture of the basins of attraction."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from gear_dynamics.study.figures.style import COLOURS, FAINT, Arrays, new_figure
+
+NAMED = len(COLOURS)
+"""Attractors with a colour of their own; those that few states reach share one."""
+
+
+def draw(arrays: Arrays) -> Figure:
+    """Draw the attractor of each initial state in its colour, with shares."""
+    figure = new_figure(8, 6.5, 'Which motion an initial state ends in')
+    axes = figure.subplots()
+    label = np.minimum(arrays['label'], NAMED)
+    colours = ListedColormap([*COLOURS, FAINT])
+    axes.pcolormesh(
+        arrays['delta'], arrays['delta_dot'], label, cmap=colours, vmin=-0.5, vmax=NAMED + 0.5
+    )
+    axes.set(xlabel='δ / b', ylabel="δ' / (b ωn)")
+    axes.grid(False)
+    shares = arrays['share']
+    handles = [
+        Patch(color=COLOURS[i], label=f'{arrays["names"][i]}: {shares[i]:.1%}')
+        for i in range(min(NAMED, len(shares)))
+    ]
+    if len(shares) > NAMED:
+        handles.append(Patch(color=FAINT, label=f'others: {shares[NAMED:].sum():.1%}'))
+    figure.legend(handles=handles, loc='outside lower center', ncols=3)
+    return figure
