@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -23,7 +23,7 @@ class Study(NamedTuple):
         Function of `gear_dynamics.study` that gives what is studied without --params.
     options : dict of str to (default, help)
         Options and the function's arguments of the same names; the default's type is the
-        option's. A tuple takes as many values or more.
+        option's. A tuple takes as many values, a list one or more.
     """
 
     summary: str
@@ -52,7 +52,7 @@ STUDIES = {
         'all Lyapunov exponents with standard errors, from several initial states',
         'friction_chaos',
         {
-            'frictions': ((0.0, 0.03, 0.05), _FRICTIONS),
+            'frictions': ([0.0, 0.03, 0.05], _FRICTIONS),
             'initial_states': (6, 'initial states for each friction coefficient'),
             'transient': (500, _TRANSIENT),
             'cycles': (10000, 'mesh cycles in each record'),
@@ -62,7 +62,7 @@ STUDIES = {
         'orbit diagrams and largest exponents along a parameter, swept up and down',
         'friction_chaos',
         {
-            'frictions': ((0.0, 0.03), _FRICTIONS),
+            'frictions': ([0.0, 0.03], _FRICTIONS),
             'parameter': ('w', 'what is swept: w, speed, load_torque or a parameter of the pair'),
             'begin': (0.4, 'beginning of the range'),
             'end': (2.0, 'end of the range'),
@@ -75,7 +75,7 @@ STUDIES = {
         'history, spectrum, phase portrait, section and exponents of one motion',
         'friction_chaos',
         {
-            'frictions': ((0.0, 0.03, 0.05), _FRICTIONS),
+            'frictions': ([0.0, 0.03, 0.05], _FRICTIONS),
             'transient': (1000, _TRANSIENT),
             'cycles': (4000, 'mesh cycles in the record'),
         },
@@ -159,12 +159,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     studies = parser.add_subparsers(dest='study', metavar='STUDY', required=True)
     for name, about in STUDIES.items():
-        one = studies.add_parser(
-            name,
-            help=about.summary,
-            description=about.summary,
-            formatter_class=argparse.ArgumentDefaultsHelpFormatter,
-        )
+        one = studies.add_parser(name, help=about.summary, description=about.summary)
         _add_common(one, about)
         for option, (default, text) in about.options.items():
             _add_option(one, option, default, text)
@@ -177,10 +172,8 @@ def _add_common(parser: argparse.ArgumentParser, about: Study) -> None:
         '--params',
         type=Path,
         metavar='FILE',
-        default=argparse.SUPPRESS,
-        help=f'ROS parameter file with pair, speed and load_torque (default: {preset})',
+        help=f'ROS parameter file with pair, speed and load_torque; by default {preset}',
     )
-    parser.set_defaults(params=None)
     parser.add_argument(
         '--set',
         type=_setting,
@@ -190,7 +183,11 @@ def _add_common(parser: argparse.ArgumentParser, about: Study) -> None:
         help='change w, speed, load_torque or a parameter of the pair; may be given again',
     )
     parser.add_argument(
-        '--output', type=Path, metavar='DIRECTORY', default=Path('study'), help='for the files'
+        '--output',
+        type=Path,
+        metavar='DIRECTORY',
+        default=Path('study_results'),
+        help='for the files; by default ./study_results',
     )
     parser.add_argument(
         '--cluster',
@@ -201,14 +198,16 @@ def _add_common(parser: argparse.ArgumentParser, about: Study) -> None:
 
 
 def _add_option(parser: argparse.ArgumentParser, name: str, default: Any, text: str) -> None:
-    several = isinstance(default, tuple)
-    kind: Callable[[str], Any] = type(default[0]) if several else type(default)
+    several = isinstance(default, tuple | list)
+    kind: type = type(default[0]) if several else type(default)
+    shown = ' '.join(f'{each:g}' for each in default) if several else default
     parser.add_argument(
         f'--{name.replace("_", "-")}',
         type=kind,
-        nargs='+' if several else None,
-        default=list(default) if several else default,
-        help=text,
+        nargs='+' if isinstance(default, list) else len(default) if several else None,
+        default=default,
+        metavar=kind.__name__.upper(),
+        help=f'{text}; by default {shown}',
     )
 
 

@@ -191,9 +191,8 @@ def _text(operation: Operation, arrays: dict[str, np.ndarray]) -> str:
     leads = arrays['order'][1, int(arrays['ax_lines'][1][1:].argmax()) + 1]
     lines.append(f"  the pinion's x acceleration is led by mesh harmonic {leads:g}")
     if 'map' in arrays:
-        lines.append(
-            f'over {arrays["map_phase"].size} phases and {arrays["map_speed"].size} speeds'
-        )
+        phases, speeds = arrays['map_phase'].size, arrays['map_speed'].size
+        lines.append(f'over {phases} phases and {speeds} speeds')
         for words, where in holds(arrays['map']).items():
             lines.append(f'  {words}: at {where.mean():.0%}')
     return '\n'.join(lines)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -55,13 +55,14 @@ class Operation(NamedTuple):
         """
         if name == FREQUENCY_RATIO:
             return self._replace(speed=value * self.pair.derived.wn / self.pair.pinion_teeth)
+        changed: dict[str, Any] = {name: value}
         if name in ('speed', 'load_torque'):
-            return self._replace(**{name: value})
+            return self._replace(**changed)
         numbers = [a.name for a in self.pair.parameters() if isinstance(a.default, float)]
         if name not in numbers:
             known = ', '.join([FREQUENCY_RATIO, 'speed', 'load_torque', *numbers])
             raise ParameterError(f'{name} cannot be varied; known are {known}')
-        return self._replace(pair=dataclasses.replace(self.pair, **{name: value}))
+        return self._replace(pair=dataclasses.replace(self.pair, **changed))
 
     def scaled(self, sections: np.ndarray) -> np.ndarray:
         """Return delta / b and delta_dot / (b wn) of sections, (..., 2)."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -39,7 +39,8 @@ def write_outcome(outcome: Outcome, directory: Path) -> list[Path]:
     """
     directory.mkdir(parents=True, exist_ok=True)
     base = directory / outcome.name
-    np.savez_compressed(base.with_suffix('.npz'), **outcome.arrays)
+    arrays: dict[str, Any] = outcome.arrays
+    np.savez_compressed(base.with_suffix('.npz'), **arrays)
     base.with_suffix('.csv').write_text(csv_text(outcome.table), encoding='utf-8')
     base.with_suffix('.txt').write_text(outcome.text + '\n', encoding='utf-8')
     return [base.with_suffix(ending) for ending in ('.npz', '.csv', '.txt')]

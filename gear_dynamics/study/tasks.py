@@ -112,7 +112,8 @@ class Runner:
         # A part is whole or not there at all, whenever the study is stopped.
         unfinished = path.with_suffix('.unfinished')
         with unfinished.open('wb') as file:
-            np.savez(file, **result)
+            arrays: dict[str, Any] = result
+            np.savez(file, **arrays)
         os.replace(unfinished, path)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gear_dynamics.study.figures.style import COLOURS, Arrays, new_figure, zero_line
@@ -26,7 +27,7 @@ def draw(arrays: Arrays) -> Figure:
     return figure
 
 
-def _convergence(axes, arrays: Arrays, which: np.ndarray, mu: float) -> None:
+def _convergence(axes: Axes, arrays: Arrays, which: np.ndarray, mu: float) -> None:
     for i in which:
         cycles = arrays['convergence_cycles'][i]
         rest = arrays['convergence'][i, :, 1:]
