@@ -60,7 +60,7 @@ def _fill(
 
 
 @kernel
-def _interrupt(
+def _reach_sample(
     constants, clock, state, series, error, segment, work, point, events, zones, profiles
 ):
     status = stepper.run(
@@ -78,7 +78,7 @@ def _interrupt(
         clock[0].sample,
     )
     if status == stepper.DONE:
-        stepper.interrupt(constants[0], clock[0], state[0], series[0], point[0], events[0])
+        stepper.pass_section_before_sample(constants[0], clock[0], series[0], events[0])
     return status
 
 
@@ -187,11 +187,14 @@ class Simulator:
     def take_events(self) -> np.ndarray:
         """Return the events within the time of the samples handed out since the last call.
 
+        That time ends where the next sample is due, so that no event is older than its block.
+
         Returns
         -------
         (m,) array of EVENTS
             In order of time; t is since the start of the run.
         """
+        self._reach_sample()
         self._hold_events()
         if not self._held_events:
             return np.zeros(0, EVENTS)
@@ -277,12 +280,20 @@ class Simulator:
         delta, delta_dot = y[3] - y[1] + y[4] - error, y[9] - y[7] + y[10] - error_dot
         clock['contact_a'] = clock['contact_b'] = contact.contact_state(delta, delta_dot, p['b'])
 
-    def _interrupt(self) -> None:
+    def _reach_sample(self) -> None:
+        """Step up to the instant of the next sample."""
         status = stepper.EVENTS_FULL
         while status == stepper.EVENTS_FULL:
-            self._hold_events()
-            status = _interrupt(*self._motion)
+            status = _reach_sample(*self._motion)
             self._check(status)
+
+    def _interrupt(self) -> None:
+        self._reach_sample()
+        self._hold_events()
+        motion = self._motion
+        stepper.interrupt(
+            motion.constants[0], motion.clock[0], motion.state[0], motion.series[0], motion.point[0]
+        )
 
     @property
     def counters(self) -> dict[str, int | float]:

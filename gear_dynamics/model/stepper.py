@@ -278,7 +278,7 @@ def run(p, clock, zones, profiles, y, series, error, segment, work, point, event
             begin_step(p, clock, zones, profiles, y, series, error, segment, work, entered)
             if clock.tiny_steps >= MANY_TINY_STEPS:
                 return STUCK
-            if not math.isfinite(series[1, DELTA] + clock.length):
+            if not math.isfinite(series[2, DELTA] + clock.length):
                 return NOT_FINITE
         if time_of_sample(clock, sample) < clock.begin + clock.length:
             return DONE
@@ -289,13 +289,22 @@ def run(p, clock, zones, profiles, y, series, error, segment, work, point, event
 
 
 @kernel
-def interrupt(p, clock, y, series, point, events):
-    """End the present step at the instant of the next sample, so that commands may change there.
+def pass_section_before_sample(p, clock, series, events):
+    """Emit the section state that the present step has before the next sample.
 
     `run` must have reached that sample.
     """
     tau = max(time_of_sample(clock, clock.sample) - clock.begin, 0.0)
     _pass_section(p, clock, series, tau, False, events)
+
+
+@kernel
+def interrupt(p, clock, y, series, point):
+    """End the present step at the instant of the next sample, so that commands may change there.
+
+    `run` must have reached that sample, and the section before it have been passed.
+    """
+    tau = max(time_of_sample(clock, clock.sample) - clock.begin, 0.0)
     advance_state(series, tau, y, point)
     end = clock.begin + tau
     clock.phase = _phase_at(p, clock, end)
