@@ -60,9 +60,14 @@ def monodromy(pair, mesh_frequency):
 def deltas_after_a_cycle(pair, mesh_frequency, delta, delta_dot):
     """Return delta and delta' one cycle after the static deflection is disturbed by these."""
     simulator = Simulator(
-        pair, sample_rate=PER_CYCLE * mesh_frequency, speed=2 * math.pi * mesh_frequency / pair.pinion_teeth,
-        load_torque=150.0, anti_alias=False, rtol=1e-12, atol=1e-15,
-    )  # fmt: skip
+        pair,
+        sample_rate=PER_CYCLE * mesh_frequency,
+        speed=2 * math.pi * mesh_frequency / pair.pinion_teeth,
+        load_torque=150.0,
+        anti_alias=False,
+        rtol=1e-12,
+        atol=1e-15,
+    )
     start = Simulator(pair, load_torque=150.0, anti_alias=False)
     start.advance(1)
     y, d = state_of_sample(start), pair.derived

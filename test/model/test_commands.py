@@ -1,0 +1,152 @@
+"""Commands, rate limits and live changes of a running pair."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.parameter import ParameterError
+from gear_dynamics.model.simulator import Simulator
+
+RATE = 51200.0
+SMOOTH = GearPair(friction_coefficient=0.0, transmission_error_amplitude=0.0)
+
+
+@pytest.mark.parametrize(('target', 'sign'), [(200.0, 1), (40.0, -1)])
+def test_torque_follows_at_its_rate_limit_from_the_next_sample(target, sign):
+    simulator = Simulator(GearPair(), torque_rate_limit=2000.0, anti_alias=False)
+    simulator.advance(100)
+    simulator.command(load_torque=target)
+    torque = simulator.advance(5000)['load_torque']
+    t = np.arange(5000) / RATE
+    limited = 150.0 + sign * 2000.0 * t
+    expected = np.minimum(limited, target) if sign > 0 else np.maximum(limited, target)
+    np.testing.assert_allclose(torque, expected, rtol=1e-12)
+    assert torque[-1] == target
+
+
+def test_mean_speed_follows_at_its_rate_limit():
+    simulator = Simulator(SMOOTH, speed=50.0, speed_rate_limit=300.0, anti_alias=False)
+    simulator.advance(1000)
+    simulator.command(speed=80.0)
+    samples = simulator.advance(10240)
+    expected = np.minimum(50.0 + 300.0 * np.arange(10240) / RATE, 80.0)
+    # Torsional vibration rides on it; a window of 10 ms averages it.
+    window = np.ones(512) / 512
+    got = np.convolve(samples['speed'], window, 'valid')
+    np.testing.assert_allclose(got, np.convolve(expected, window, 'valid'), atol=0.2)
+
+
+def test_last_command_holds_and_commands_mid_ramp_turn_at_once():
+    simulator = Simulator(GearPair(), torque_rate_limit=1000.0, anti_alias=False)
+    simulator.command(load_torque=300.0)
+    simulator.advance(512)
+    simulator.command(load_torque=100.0)
+    torque = simulator.advance(8000)['load_torque']
+    peak = 150.0 + 1000.0 * 512 / RATE
+    np.testing.assert_allclose(
+        torque, np.maximum(peak - 1000.0 * np.arange(8000) / RATE, 100.0), rtol=1e-12
+    )
+
+
+def test_rate_limits_change_while_running():
+    simulator = Simulator(GearPair(), torque_rate_limit=1000.0, anti_alias=False)
+    simulator.command(load_torque=300.0)
+    simulator.advance(512)
+    simulator.change(torque_rate_limit=4000.0, speed_rate_limit=50.0)
+    torque = simulator.advance(1000)['load_torque']
+    np.testing.assert_allclose(torque, 160.0 + 4000.0 * np.arange(1000) / RATE, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    'values', [{'speed': -1.0}, {'speed': np.nan}, {'load_torque': 5001.0}, {'load_torque': np.inf}]
+)
+def test_bad_commands_are_refused_and_change_nothing(values):
+    simulator = Simulator(GearPair(), anti_alias=False)
+    simulator.advance(100)
+    with pytest.raises(ParameterError, match=next(iter(values))):
+        simulator.command(**values)
+    undisturbed = Simulator(GearPair(), anti_alias=False)
+    undisturbed.advance(100)
+    assert simulator.advance(500).tobytes() == undisturbed.advance(500).tobytes()
+
+
+@pytest.mark.parametrize('change', ['command', 'pair'])
+def test_state_and_phase_go_on_through_a_change(change):
+    simulator = Simulator(GearPair(), sample_rate=1e6, anti_alias=False)
+    undisturbed = Simulator(GearPair(), sample_rate=1e6, anti_alias=False)
+    simulator.advance(20000)
+    undisturbed.advance(20000)
+    if change == 'command':
+        simulator.command(speed=300.0, load_torque=20.0)
+    else:
+        simulator.change(pair=dataclasses.replace(GearPair(), friction_coefficient=0.1))
+    changed, same = simulator.advance(3), undisturbed.advance(3)
+    # The sample of the change itself has the old state.
+    for name in ('delta', 'pinion_angle', 'gear_angle'):
+        assert changed[name][0] == pytest.approx(same[name][0], rel=1e-13)
+    assert changed['delta_dot'][0] == pytest.approx(same['delta_dot'][0], rel=1e-9)
+
+
+def test_live_change_is_a_run_with_the_new_parameters():
+    new = dataclasses.replace(
+        GearPair(), friction_coefficient=0.1, mesh_damping_ratio=0.05, half_backlash=100e-6
+    )
+    changed = Simulator(GearPair(), anti_alias=False)
+    changed.advance(1000)
+    changed.change(pair=new)
+    assert changed.pair == new
+    # Transients die out with the slowest mode, 1793 Hz at a few per cent; periodic at 1000 rpm.
+    changed.advance(30 * 1024)
+    fresh = Simulator(new, anti_alias=False)
+    fresh.advance(30 * 1024 + 1000)
+    one, two = changed.advance(1000), fresh.advance(1000)
+    for name in ('mesh_force', 'pinion_ay', 'pinion_ax'):
+        scale = np.sqrt(np.mean(two[name] ** 2))
+        difference = np.abs(one[name] - two[name])
+        assert np.quantile(difference, 0.99) < 1e-4 * scale, name
+
+
+def test_friction_switched_off_and_on():
+    simulator = Simulator(GearPair(), anti_alias=False)
+    simulator.advance(100)
+    simulator.change(pair=dataclasses.replace(GearPair(), friction_coefficient=0.0))
+    assert np.all(simulator.advance(500)['friction_force'] == 0)
+    simulator.change(pair=GearPair())
+    assert np.any(simulator.advance(500)['friction_force'] != 0)
+
+
+@pytest.mark.parametrize(
+    'name', [p.name for p in GearPair.parameters() if not p.live and p.name != 'mesh_stiffness']
+)
+def test_what_is_fixed_cannot_change(name):
+    simulator = Simulator(GearPair(), anti_alias=False)
+    value = getattr(GearPair(), name)
+    new = dataclasses.replace(
+        GearPair(), **{name: value + 1 if isinstance(value, int) else value * 1.01 or 1.0}
+    )
+    with pytest.raises(ValueError, match=f'{name} cannot change while running'):
+        simulator.change(pair=new)
+    assert simulator.pair == GearPair()
+
+
+def test_standstill_and_back():
+    simulator = Simulator(SMOOTH, speed=20.0, speed_rate_limit=1000.0, anti_alias=False)
+    simulator.command(speed=0.0)
+    simulator.advance(20480)
+    still = simulator.advance(2048)
+    assert np.ptp(still['pinion_angle']) < 1e-5
+    assert np.abs(still['speed']).max() < 0.05
+    simulator.command(speed=20.0)
+    simulator.advance(20480)
+    assert simulator.advance(2048)['speed'].mean() == pytest.approx(20.0, rel=0.01)
+
+
+def test_band_limited_stream_takes_commands_a_filter_delay_later():
+    simulator = Simulator(GearPair(), torque_rate_limit=1e6, anti_alias=True)
+    simulator.advance(100)
+    simulator.command(load_torque=300.0)
+    torque = simulator.advance(200)['load_torque']
+    first = int(np.argmax(torque > 150.0))
+    assert 0 < first <= 26
