@@ -299,6 +299,7 @@ class Simulator:
     def counters(self) -> dict[str, int | float]:
         """Counts since the start: steps, rejected_steps, contact_losses, back_flank_impacts.
 
+        rejected_steps are those that were cut short because contact changed within them;
         contact_losses counts when the last pair in contact loses it; smallest_step is in seconds.
         """
         clock = self._motion.clock[0]

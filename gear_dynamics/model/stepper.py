@@ -207,6 +207,7 @@ def _find_contact_change(p, clock, zone, profiles, series, error, segment, work,
     if first == math.inf:
         return
     clock.length, clock.ending = first, CONTACT
+    clock.rejected_steps += 1
     if t_a == first:
         clock.next_a = next_a
     if t_b == first:
