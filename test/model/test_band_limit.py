@@ -1,0 +1,116 @@
+"""Band-limited output: the filter, tones through it, its delay, and what it keeps from folding."""
+
+import numpy as np
+import pytest
+from reference_equations import COLUMNS
+
+from gear_dynamics.model.band_limit import BandLimiter, taps
+from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.layout import DELAY, HIGH_RATE_COLUMNS, OVERSAMPLING
+from gear_dynamics.model.simulator import Simulator
+
+RATE = 51200.0
+HIGH = OVERSAMPLING * RATE
+RIPPLE = 10 ** (0.001 / 20) - 1
+"""Greatest departure from 1 up to 20 kHz: 0.001 dB."""
+STOP = 1e-4
+"""80 dB down."""
+
+
+def response(frequencies):
+    """Return the filter's response without its delay."""
+    h = taps()
+    n = np.arange(len(h)) - len(h) // 2
+    return np.exp(-2j * np.pi * np.outer(frequencies, n) / HIGH) @ h
+
+
+def test_filter_is_flat_to_20_khz_and_80_db_down_from_where_it_folds():
+    passed = response(np.linspace(0, 20000, 2001))
+    np.testing.assert_allclose(passed, 1, atol=RIPPLE)
+    stopped = response(np.linspace(25600, HIGH / 2, 4001))
+    assert np.max(np.abs(stopped)) < STOP
+    assert response([0.0])[0] == pytest.approx(1, abs=1e-15)
+
+
+def test_filter_is_of_linear_phase():
+    h = taps()
+    np.testing.assert_array_equal(h, h[::-1])
+    assert len(h) == 2 * DELAY * OVERSAMPLING + 1
+
+
+def through(signal, count, block):
+    """Return `count` samples of column 1 of the limiter, fed with signal(t) at the high rate."""
+    limiter = BandLimiter(block)
+    first = np.full((1, HIGH_RATE_COLUMNS), signal(np.zeros(1))[0])
+    limiter.start(first)
+    fed, out = 1, np.zeros((count, 13))
+    for begin in range(0, count, block):
+        part = out[begin : begin + block]
+        room = limiter.room(len(part))
+        times = (fed + np.arange(len(room))) / HIGH
+        room[:] = signal(times)[:, None]
+        fed += len(room)
+        limiter.take(part)
+    return out[:, 1]
+
+
+@pytest.mark.parametrize('frequency', [0.0, 50.0, 4533.3, 12345.0, 19999.0])
+def test_tones_in_the_band_pass_at_their_own_instant(frequency):
+    got = through(lambda t: np.cos(2 * np.pi * frequency * t + 0.3), 300, 64)
+    expected = np.cos(2 * np.pi * frequency * np.arange(300) / RATE + 0.3)
+    # The first DELAY samples see the standstill before the start.
+    np.testing.assert_allclose(got[DELAY:], expected[DELAY:], atol=RIPPLE)
+
+
+@pytest.mark.parametrize('frequency', [25700.0, 31200.0, 51200.0, 71000.0, 102000.0])
+def test_tones_that_would_fold_are_80_db_down(frequency):
+    got = through(lambda t: np.cos(2 * np.pi * frequency * t + 0.3), 300, 64)
+    assert np.max(np.abs(got[DELAY:])) < STOP
+
+
+def test_tone_in_the_transition_has_the_gain_of_the_closed_form():
+    frequency = 22800.0
+    gain = response([frequency])[0].real
+    got = through(lambda t: np.cos(2 * np.pi * frequency * t), 300, 17)
+    expected = gain * np.cos(2 * np.pi * frequency * np.arange(300) / RATE)
+    np.testing.assert_allclose(got[DELAY:], expected[DELAY:], atol=1e-12)
+
+
+def test_smooth_motion_is_the_same_raw_and_band_limited():
+    # Constant stiffness, no friction, no loss: nothing jumps, all is far below 20 kHz.
+    pair = GearPair(mesh_stiffness='constant', friction_coefficient=0.0)
+    options = {'load_torque': 500.0, 'rtol': 1e-10, 'atol': 1e-13}
+    raw = Simulator(pair, anti_alias=False, **options).advance(2000)[500:]
+    limited = Simulator(pair, anti_alias=True, **options).advance(2000)[500:]
+    np.testing.assert_array_equal(limited['t'], raw['t'])
+    np.testing.assert_array_equal(limited['load_torque'], raw['load_torque'])
+    for name in ('pinion_angle', 'gear_angle'):
+        np.testing.assert_allclose(limited[name], raw[name], atol=1e-12)
+    for name in COLUMNS[:8]:
+        variation = np.std(raw[name])
+        np.testing.assert_allclose(limited[name], raw[name], rtol=0, atol=2 * RIPPLE * variation)
+
+
+@pytest.mark.parametrize('name', ['pinion_ay', 'mesh_force', 'friction_force', 'pinion_ax'])
+def test_folding_at_8000_rpm_is_kept_out(name):
+    # Against the same motion at 32 times the rate, below 20 kHz, where no filter is needed: the
+    # spectrum of a jump falls with 1/f, so that sampling four times as fast folds at most a
+    # quarter of what sampling at the rate does.
+    speed, cycles = 8000 * np.pi / 30, 272
+    fine_factor = 32
+    count = round(cycles * 2 * np.pi / (34 * speed) * RATE)
+
+    def lines(rate_factor, anti_alias):
+        run = Simulator(GearPair(), speed=speed, sample_rate=rate_factor * RATE,
+                        anti_alias=anti_alias)  # fmt: skip
+        run.advance(10240 * rate_factor)
+        samples = run.advance(count * rate_factor)[name]
+        window = np.hanning(len(samples) + 1)[:-1]
+        spectrum = np.fft.rfft(window * samples) / len(samples)
+        return spectrum[: int(20000 / RATE * count)]
+
+    fine = lines(fine_factor, False)
+    scale = np.linalg.norm(fine)
+    raw = np.linalg.norm(lines(1, False) - fine) / scale
+    limited = np.linalg.norm(lines(1, True) - fine) / scale
+    assert limited < raw / 4
