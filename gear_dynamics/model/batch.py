@@ -12,6 +12,7 @@ import numpy as np
 from gear_dynamics.model import mesh, stepper
 from gear_dynamics.model.columns import EVENTS, SAMPLE_COLUMNS, SAMPLES
 from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.kernel import borrowed
 from gear_dynamics.model.motion import Motion, at_rest
 from gear_dynamics.model.parameter import ParameterError
 from gear_dynamics.model.run_settings import RunSettings
@@ -48,7 +49,7 @@ def gather(pairs: Sequence[GearPair], runs: Sequence[RunSettings], drive: bool =
     return Batch(Motion(**rows, events=events, zones=zones, profiles=mesh.healthy()), counts)
 
 
-@numba.njit(cache=True, parallel=True)
+@numba.njit(cache=True, parallel=True, error_model='numpy')
 def _fill_all(
     constants,
     clock,
@@ -71,17 +72,17 @@ def _fill_all(
             count, status[i] = stepper.fill_samples(
                 constants[i],
                 clock[i],
-                zones[i][: zone_counts[i]],
-                profiles,
-                state[i],
-                series[i],
-                error[i],
-                segment[i],
-                work[i],
-                point[i],
-                events[i],
+                borrowed(zones)[i][: zone_counts[i]],
+                borrowed(profiles),
+                borrowed(state)[i],
+                borrowed(series)[i],
+                borrowed(error)[i],
+                borrowed(segment)[i],
+                borrowed(work)[i],
+                borrowed(point)[i],
+                borrowed(events)[i],
                 1,
-                out[i, filled:],
+                borrowed(out)[i, filled:],
             )
             filled += count
             if status[i] == stepper.EVENTS_FULL:

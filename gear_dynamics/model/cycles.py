@@ -14,6 +14,7 @@ from gear_dynamics.model.batch import gather, refuse_failure, spread
 from gear_dynamics.model.columns import SAMPLE_COLUMNS, SAMPLES
 from gear_dynamics.model.contact import contact_state
 from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.kernel import borrowed, kernel
 from gear_dynamics.model.lanes import columns_at
 from gear_dynamics.model.layout import (
     DELTA,
@@ -69,7 +70,7 @@ class Cycles(NamedTuple):
     period: np.ndarray
 
 
-@numba.njit(cache=True)
+@kernel
 def _write_section(p, clock, series, point, section):
     """Write the state at the section phase, or at the end of the step if that is before it."""
     tau = stepper.time_of_phase(p, clock, clock.section_phase) - clock.begin
@@ -81,7 +82,7 @@ def _write_section(p, clock, series, point, section):
     section[SECTION_STATE + 12] = point[0, Q_SUM]
 
 
-@numba.njit(cache=True)
+@kernel
 def _write_due_samples(p, clock, series, segment, point, out):
     """Write the samples within the present step to their rows of `out`."""
     end = clock.begin + clock.length
@@ -95,7 +96,7 @@ def _write_due_samples(p, clock, series, segment, point, out):
         clock.sample += together
 
 
-@numba.njit(cache=True)
+@kernel
 def _vary(p, clock, segment, vectors):
     """Advance the variations over the present step; return what diverges in it."""
     if clock.length <= 0:
@@ -105,7 +106,7 @@ def _vary(p, clock, segment, vectors):
     return divergence_over_step(p, segment, travel, clock.length)
 
 
-@numba.njit(cache=True)
+@kernel
 def _vary_contact(p, clock, zones, profiles, segment, length, vectors):
     """Let the variations jump: the step of `length` that has just ended did so at a contact."""
     travel = p.pitch * p.z1 / (2 * math.pi) * clock.speed
@@ -121,7 +122,7 @@ def _vary_contact(p, clock, zones, profiles, segment, length, vectors):
     )
 
 
-@numba.njit(cache=True)
+@kernel
 def run_cycle(
     p,
     clock,
@@ -164,7 +165,7 @@ def run_cycle(
     return stepper.DONE
 
 
-@numba.njit(cache=True, parallel=True)
+@numba.njit(cache=True, parallel=True, error_model='numpy')
 def _run_all(
     constants,
     clock,
@@ -190,20 +191,20 @@ def _run_all(
             status[i] = run_cycle(
                 constants[i],
                 clock[i],
-                zones[i][: zone_counts[i]],
-                profiles,
-                state[i],
-                series[i],
-                error[i],
-                segment[i],
-                work[i],
-                point[i],
-                events[i],
-                sections[i, cycle],
-                vectors[i],
-                growth[i, cycle],
-                divergence[i, cycle : cycle + 1],
-                out[i],
+                borrowed(zones)[i][: zone_counts[i]],
+                borrowed(profiles),
+                borrowed(state)[i],
+                borrowed(series)[i],
+                borrowed(error)[i],
+                borrowed(segment)[i],
+                borrowed(work)[i],
+                borrowed(point)[i],
+                borrowed(events)[i],
+                borrowed(sections)[i, cycle],
+                borrowed(vectors)[i],
+                borrowed(growth)[i, cycle],
+                borrowed(divergence)[i, cycle : cycle + 1],
+                borrowed(out)[i],
             )
             if status[i] != stepper.DONE:
                 break
@@ -312,7 +313,7 @@ def run_cycles(
     return result
 
 
-@numba.njit(cache=True)
+@kernel
 def place_contact(p, clock, y):
     """Set the contact states that belong to the state y at mesh phase 0."""
     error = p.e_a * math.sin(p.phi0)
@@ -321,7 +322,7 @@ def place_contact(p, clock, y):
     clock.contact_a = clock.contact_b = contact_state(delta, delta_dot, p.b)
 
 
-@numba.njit(cache=True)
+@kernel
 def _place_all(constants, clock, state):
     for i in range(clock.size):
         place_contact(constants[i], clock[i], state[i])

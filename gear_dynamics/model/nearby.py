@@ -12,13 +12,14 @@ from gear_dynamics.model import stepper
 from gear_dynamics.model.batch import gather, refuse_failure
 from gear_dynamics.model.cycles import place_contact, run_cycle, settings
 from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.kernel import borrowed, kernel
 from gear_dynamics.model.variation import VARIED
 
 DISTANCE = 1e-6
 """Distance to which the two are brought back, over half the backlash."""
 
 
-@numba.njit(cache=True)
+@kernel
 def _bring_back(p, clock, near, y):
     """Put state `near` at DISTANCE from state y, on the line between; return their distance."""
     total = 0.0
@@ -32,7 +33,7 @@ def _bring_back(p, clock, near, y):
     return distance
 
 
-@numba.njit(cache=True, parallel=True)
+@numba.njit(cache=True, parallel=True, error_model='numpy')
 def _run_pairs(
     constants,
     clock,
@@ -58,15 +59,15 @@ def _run_pairs(
                 status[j] = run_cycle(
                     constants[j],
                     clock[j],
-                    zones[j][: zone_counts[j]],
-                    profiles,
-                    state[j],
-                    series[j],
-                    error[j],
-                    segment[j],
-                    work[j],
-                    point[j],
-                    events[j],
+                    borrowed(zones)[j][: zone_counts[j]],
+                    borrowed(profiles),
+                    borrowed(state)[j],
+                    borrowed(series)[j],
+                    borrowed(error)[j],
+                    borrowed(segment)[j],
+                    borrowed(work)[j],
+                    borrowed(point)[j],
+                    borrowed(events)[j],
                     section,
                     vectors,
                     none,

@@ -15,8 +15,7 @@ from __future__ import annotations
 
 import math
 
-import numba
-
+from gear_dynamics.model.kernel import kernel
 from gear_dynamics.model.layout import ORDER, SEG_FORCE, SEG_FRICTION, SEG_MOMENT
 
 VARIED = 10
@@ -27,7 +26,7 @@ _LONGEST = 5.0
 """Radians of the fastest mode that a series spans: 5^28 / 28! is 1e-10."""
 
 
-@numba.njit(cache=True)
+@kernel
 def advance_variations(p, segment, travel, h, vectors):
     """Advance each row of `vectors` over a step of h seconds at constant speed.
 
@@ -52,7 +51,7 @@ def advance_variations(p, segment, travel, h, vectors):
         _advance_part(p, segment, travel, part * h / parts, h / parts, vectors)
 
 
-@numba.njit(cache=True)
+@kernel
 def _advance_part(p, segment, travel, since, h, vectors):
     """Advance over h seconds of the step, `since` its beginning.
 
@@ -110,7 +109,7 @@ def _advance_part(p, segment, travel, since, h, vectors):
         v[5], v[6], v[7], v[8], v[9] = tx1 / rate, ty1 / rate, tx2 / rate, ty2 / rate, tpsi / rate
 
 
-@numba.njit(cache=True)
+@kernel
 def divergence_over_step(p, segment, travel, h):
     """Return the integral over a step of the trace of the equations' Jacobian.
 
@@ -124,7 +123,7 @@ def divergence_over_step(p, segment, travel, h):
     return h * (supports + mesh + psi_1 * turn_c + psi_2 * (p.arm_sum * rub_c - turn_c))
 
 
-@numba.njit(cache=True)
+@kernel
 def jump_at_contact(p, force_c, rub_c, turn_c, vectors):
     """Apply the saltation matrix to each row of `vectors`.
 
@@ -143,7 +142,7 @@ def jump_at_contact(p, force_c, rub_c, turn_c, vectors):
         v[9] += psi_1 * torque1 + psi_2 * torque2 - force / p.me
 
 
-@numba.njit(cache=True)
+@kernel
 def orthonormalise(vectors, growth):
     """Make the rows of `vectors` orthonormal; add the logarithms of their lengths to `growth`.
 
