@@ -74,19 +74,18 @@ class ChunkBuilder:
     def build(self, offset: int) -> tuple[list[bytes], ChunkIndex]:
         """Return the bytes of chunk and message indexes, and their entry in the file's index.
 
-        The bytes come in parts, so that messages that are not compressed are never copied.
+        The bytes come in parts, which need not be joined to be written.
 
         Parameters
         ----------
         offset : int
             Where in the file they go.
         """
-        data = self._parts
-        if self._name:
-            data = [self._compress(b''.join(self._parts))]
-        size = sum(map(len, data))
-        head, start, end = self._head(size)
-        parts, places = [head, *data], {}
+        records = b''.join(self._parts)
+        data = self._compress(records)
+        size = len(data)
+        head, start, end = self._head(zlib.crc32(records), size)
+        parts, places = [head, data], {}
         chunk_length = len(head) + size
         at = offset + chunk_length
         for channel, index in self._indexes.items():
@@ -108,13 +107,10 @@ class ChunkBuilder:
         )
         return parts, index_entry
 
-    def _head(self, size: int) -> tuple[bytes, int, int]:
-        """Return what stands before `size` bytes of records, and the first and last log time."""
+    def _head(self, crc: int, size: int) -> tuple[bytes, int, int]:
+        """Return what stands before `size` bytes of data, and the first and last log time."""
         times = [time for index in self._indexes.values() for time, _ in index]
         start, end = min(times), max(times)
-        crc = 0
-        for part in self._parts:
-            crc = zlib.crc32(part, crc)
         name = self._name.encode()
         length = _CHUNK.size - 9 + 4 + len(name) + 8 + size
         head = _CHUNK.pack(Opcode.CHUNK, length, start, end, self.size, crc)

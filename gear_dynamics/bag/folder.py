@@ -163,8 +163,7 @@ class BagFolder:
     def sync(self) -> None:
         """Bring everything to the disk; raises what `write` raises."""
         file = self._current()
-        if file.uncommitted:
-            file.sync()
+        file.sync()
         self._check(file)
 
     def finish(self) -> None:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
 import yaml
@@ -19,8 +20,6 @@ from gear_dynamics.bag.metadata import FileSummary, Topic, bag_information
 
 CHUNK_SIZE = 1 << 20
 """Bytes of messages, before compression, after which a chunk is closed."""
-
-_MOST_PARTS = 1000  # Linux takes 1024 in one writev
 
 CONFIGURATION = 'gear_dynamics'
 """Name of the metadata records that hold the run's configuration."""
@@ -54,6 +53,9 @@ class McapFile:
         self.lost = 0
         self._chunk = ChunkBuilder(compression)
         self._index = McapIndex()
+        self._syncer = ThreadPoolExecutor(1, 'log_sync')
+        self._syncing: Future[None] | None = None
+        self._synced = 0
         self._channels: dict[Topic, Channel] = {}
         self._start = self._end = 0
         builder = RecordBuilder()
@@ -118,9 +120,19 @@ class McapFile:
         self._index.metadata.append(place)
 
     def sync(self) -> None:
-        """Close the chunk in progress and bring everything to the disk."""
+        """Close the chunk in progress, and have everything brought to the disk meanwhile.
+
+        A disk that is slow to sync holds nothing up: what the system was handed outlives the end
+        of this process.
+        """
         self._commit()
-        os.fdatasync(self._file)
+        if self._syncing is not None:
+            if not self._syncing.done():
+                return
+            self._syncing.result()
+        if self.size != self._synced:
+            self._synced = self.size
+            self._syncing = self._syncer.submit(os.fdatasync, self._file)
 
     def finish(self) -> FileSummary:
         """Write index and footer, close, and return what metadata.yaml says of the file."""
@@ -137,6 +149,7 @@ class McapFile:
     def abandon(self) -> None:
         """Close the file as it is, whole up to the last chunk; without an index if unfinished."""
         if self._file >= 0:
+            self._syncer.shutdown()
             os.close(self._file)
             self._file = -1
 
@@ -163,21 +176,18 @@ class McapFile:
 
     def _write(self, *parts: bytes) -> None:
         """Write all of it or nothing."""
+        size = sum(map(len, parts))
         try:
-            for at in range(0, len(parts), _MOST_PARTS):
-                self._write_some(parts[at : at + _MOST_PARTS])
+            written = os.writev(self._file, parts)
+            if written < size:
+                rest = memoryview(b''.join(parts))[written:]
+                while rest:
+                    rest = rest[os.write(self._file, rest) :]
         except OSError:
             os.ftruncate(self._file, self.size)
             os.lseek(self._file, self.size, os.SEEK_SET)
             raise
-        self.size += sum(map(len, parts))
-
-    def _write_some(self, parts: Sequence[bytes]) -> None:
-        written = os.writev(self._file, parts)
-        if written < sum(map(len, parts)):
-            rest = memoryview(b''.join(parts))[written:]
-            while rest:
-                rest = rest[os.write(self._file, rest) :]
+        self.size += size
 
 
 def _metadata_record(name: str, content: dict[str, str]) -> bytes:
