@@ -32,6 +32,8 @@ class Health:
 
     Attributes
     ----------
+    configured : bool
+        Whether the rig is known.
     blocks : int
         Blocks analysed.
     waiting : int
@@ -46,6 +48,7 @@ class Health:
         The latest reason for which a message was dropped.
     """
 
+    configured: bool = False
     blocks: int = 0
     waiting: int = 0
     gaps: int = 0
@@ -84,6 +87,7 @@ class Monitor:
     def configure(self, rig: Rig) -> None:
         """Learn of the rig; a change of what the record rests on begins a new one."""
         old, self._rig = self._rig, rig
+        self.health.configured = True
         if old is None or old.sample_rate != rig.sample_rate:
             self._check = StampCheck(rig.sample_rate)
         if old is None or self._record is None:

@@ -46,6 +46,7 @@ class AnalyzerHealth:
         new_gaps, new_drops = gaps - self._seen[0], drops - self._seen[1]
         self._seen = gaps, drops
         values = {
+            'configured': str(health.configured).lower(),
             'blocks': health.blocks,
             'blocks_before_configuration': health.waiting,
             'gaps': gaps,
@@ -62,6 +63,6 @@ class AnalyzerHealth:
             return Report(Level.WARN, f'{new_gaps} gaps since the last report', values)
         if time.monotonic() - self._last_block > SILENCE:
             return Report(Level.WARN, 'no samples are coming', values)
-        if health.waiting and not health.blocks:
+        if not health.configured:
             return Report(Level.WARN, 'samples come, but no configuration of the rig', values)
         return Report(Level.OK, 'analysing', values)

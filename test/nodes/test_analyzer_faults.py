@@ -1,0 +1,144 @@
+"""The analyzer under bad input: it lives, counts, and says what is wrong."""
+
+import sys
+
+import numpy as np
+import ros_support
+
+from gear_dynamics.bag.messages import deserialize
+from gear_dynamics.bag.tables import decode_table, encode_table
+from gear_dynamics.configuration import configuration_text
+from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.settings import SimSettings
+
+sys.path.insert(0, str(ros_support.ROOT / 'test' / 'analysis'))
+from streams import blocks, rotation, samples
+
+ANALYZER = 'gear_dynamics.nodes.analyzer'
+DIAGNOSTICS = 'diagnostic_msgs/msg/DiagnosticArray'
+
+
+def latest(messages, name):
+    for data in reversed(messages):
+        for status in deserialize(data, DIAGNOSTICS).status:
+            if status.name == name:
+                return status
+    return None
+
+
+def values(status):
+    return {each.key: each.value for each in status.values}
+
+
+def listen(client):
+    from diagnostic_msgs.msg import DiagnosticArray
+    from sensor_msgs.msg import PointCloud2
+
+    return (
+        client.collect(DiagnosticArray, '/diagnostics', raw=True),
+        client.collect(PointCloud2, 'gear_pair/spectrum', raw=True),
+    )
+
+
+def feed(client, diagnostics, messages):
+    """Publish the configuration, and once it is known message bytes as samples."""
+    from rclpy.qos import DurabilityPolicy, QoSProfile
+    from sensor_msgs.msg import PointCloud2
+    from std_msgs.msg import String
+
+    latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    configuration = client.publisher(String, 'gear_pair/configuration', latched)
+    configuration.publish(String(data=configuration_text(GearPair(), SimSettings())))
+    publisher = client.publisher(PointCloud2, 'gear_pair/samples', 1000)
+
+    def configured():
+        status = latest(diagnostics, 'gear_analyzer: stream')
+        return status and values(status)['configured'] == 'true'
+
+    ros_support.wait_until(configured)
+    for data in messages:
+        publisher.publish(data)
+
+
+def encoded(stream):
+    return [encode_table(rows, stamp, 'line_of_action') for stamp, rows in stream]
+
+
+def test_bad_messages_and_a_gap_are_counted_and_the_node_lives(domain, client):
+    diagnostics, spectra = listen(client)
+    stream = list(blocks(samples(rotation(4.0))))
+    not_finite = stream[60][1].copy()
+    not_finite['gear_ax'][3] = np.inf
+    messages = encoded(stream)
+    bad = [
+        messages[60][:200],
+        encode_table(not_finite, stream[60][0], 'x'),
+        encode_table(not_finite[['t', 'delta']], stream[60][0], 'x'),
+        encode_table(not_finite[:0], stream[60][0], 'x'),
+        messages[10],
+    ]
+    with ros_support.Process(ANALYZER, domain, {'log': False}) as analyzer:
+        feed(client, diagnostics, messages[:60] + bad + messages[60:200] + messages[230:])
+
+        def done():
+            status = latest(diagnostics, 'gear_analyzer: stream')
+            return status and int(values(status)['blocks']) == len(messages) - 30
+
+        ros_support.wait_until(done, 60, 'every block')
+        found = values(latest(diagnostics, 'gear_analyzer: stream'))
+        assert analyzer.stop() == 0
+        warnings = [line for line in analyzer.output.splitlines() if '[WARN]' in line]
+    dropped = {key: value for key, value in found.items() if key.startswith('dropped')}
+    kinds = ['no table', 'not finite', 'columns', 'empty', 'back']
+    assert dropped == {f'dropped: {kind}': '1' for kind in kinds}
+    assert found['gaps'] == '1'
+    assert found['missing_samples'] == str(30 * 512)
+    # 0.72 s each, one every 0.64 s: three to the gap at 2 s, two after it
+    stamps = [(decode_table(data).stamp_ns - stream[0][0]) / 1e9 for data in spectra]
+    np.testing.assert_allclose(stamps, [0, 0.64, 1.28, 2.3, 2.94], atol=1e-6)
+    assert len(warnings) == 1
+    assert 'messages dropped so far, the last because' in warnings[0]
+
+
+def test_a_log_directory_that_cannot_be_written_is_an_error_and_analysis_goes_on(
+    domain, client, tmp_path
+):
+    diagnostics, spectra = listen(client)
+    (tmp_path / 'file').write_text('in the way')
+    settings = {'log_directory': tmp_path / 'file' / 'logs'}
+    with ros_support.Process(ANALYZER, domain, settings) as analyzer:
+        feed(client, diagnostics, encoded(blocks(samples(rotation(1.0)))))
+        ros_support.wait_until(lambda: spectra, 60, 'a spectrum')
+        status = ros_support.wait_until(lambda: latest(diagnostics, 'gear_analyzer: log'))
+        assert analyzer.stop() == 0
+        assert 'not logging' in analyzer.output
+    assert status.level == 2
+    assert str(tmp_path / 'file') in status.message
+
+
+def test_a_namespace_makes_a_second_analyzer(domain, client):
+    from sensor_msgs.msg import PointCloud2
+
+    spectra = client.collect(PointCloud2, '/rig1/gear_pair/spectrum', raw=True)
+    arguments = ['-r', '__ns:=/rig1']
+    with (
+        ros_support.Process('gear_dynamics.nodes.sim', domain, arguments=arguments),
+        ros_support.Process(ANALYZER, domain, {'log': False}, arguments) as analyzer,
+    ):
+        ros_support.wait_until(lambda: spectra, 90, 'a spectrum of rig1')
+        assert analyzer.stop() == 0
+
+
+def test_wrong_input_at_the_start_gives_a_line_and_exit_code_2(domain, tmp_path):
+    (tmp_path / 'limits.yaml').write_text('limits: {a/rms: {warn: 3, error: 2}}')
+    cases = [
+        (['-p', 'spectrum_window:=round'], ['spectrum_window', "'round'", "'hann'"]),
+        (['-p', 'spectrum_lenght:=1024'], ['spectrum_lenght', 'spectrum_length']),
+        (['-p', f'thresholds:={tmp_path}/limits.yaml'], ['a/rms', 'above error']),
+    ]
+    for arguments, words in cases:
+        with ros_support.Process(ANALYZER, domain, arguments=arguments) as analyzer:
+            assert analyzer.wait(60) == 2, arguments
+            lines = [line for line in analyzer.output.splitlines() if '[rcl]' not in line]
+            assert len(lines) == 1, analyzer.output
+            assert all(word in lines[0] for word in words), lines[0]
