@@ -198,15 +198,15 @@ def cpu(seconds: float) -> None:
 
 
 def rate(seconds: float) -> None:
-    """Print the highest sample rate that is held, in steps of a quarter octave."""
+    """Print the highest sample rate that is held, in steps of half an octave."""
     for anti_alias in ('true', 'false'):
         held = 0.0
-        for quarter in range(0, 33):
-            candidate = RATE * round(2 ** (quarter / 4) * 4) / 4
+        for half in range(17):
+            candidate = RATE * round(2 ** (half / 2) * 2) / 2
             block = round(candidate / 100)
             parameters = {
                 'sample_rate': candidate,
-                'monitor_rate': candidate,
+                'monitor_rate': 100.0,
                 'block_size': block,
                 'anti_alias': anti_alias,
             }

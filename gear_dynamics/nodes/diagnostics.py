@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.clock import Clock, ClockType
+from rclpy.duration import Duration
 from rclpy.node import Node
 
 PERIOD = 1.0
@@ -65,6 +66,7 @@ class Diagnostics:
         """Publish the last state and stop."""
         self._timer.cancel()
         self.publish()
+        self._publisher.wait_for_all_acked(Duration(seconds=0.5))
 
     def _status(self, name: str, report: Report) -> DiagnosticStatus:
         return DiagnosticStatus(

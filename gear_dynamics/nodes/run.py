@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import re
 import signal
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -105,6 +106,26 @@ class StopFlag:
         self._set = True
 
 
+class _Interrupted(BaseException):
+    """A signal came while nothing was open yet."""
+
+
+@contextlib.contextmanager
+def interruptible() -> Iterator[None]:
+    """Let SIGINT and SIGTERM end the node at once: for compiling, while nothing is open."""
+
+    def interrupt(number: int, frame: Any) -> None:
+        raise _Interrupted
+
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    handlers = [signal.signal(number, interrupt) for number in numbers]
+    try:
+        yield
+    finally:
+        for number, handler in zip(numbers, handlers, strict=True):
+            signal.signal(number, handler)
+
+
 def make_executor() -> Executor:
     """Return the events executor, which takes half the CPU, or the plain one if it is missing."""
     try:
@@ -158,6 +179,8 @@ def _run(
         return _fail(name, error, USAGE_ERROR)
     except NodeError as error:
         return _fail(name, error, 1)
+    except _Interrupted:
+        return 0
     try:
         _spin(node, stop)
     except NodeError as error:

@@ -23,7 +23,7 @@ from gear_dynamics.nodes.diagnostics import Diagnostics
 from gear_dynamics.nodes.monitor import Monitor
 from gear_dynamics.nodes.pacing import SECOND, Schedule, StampCounter
 from gear_dynamics.nodes.parameters import NodeParameters
-from gear_dynamics.nodes.run import NodeError, run_node
+from gear_dynamics.nodes.run import NodeError, interruptible, run_node
 from gear_dynamics.nodes.sim_health import SimHealth
 from gear_dynamics.nodes.stream import Stream
 from gear_dynamics.settings import SimSettings
@@ -71,7 +71,8 @@ class Sim:
         )
 
     def close(self) -> None:
-        """Publish the last diagnostics."""
+        """Let listeners have the last blocks and diagnostics."""
+        self._stream.close()
         self._diagnostics.close()
 
     def _publish_configuration_on(self, parameters: NodeParameters) -> None:
@@ -162,7 +163,7 @@ class Sim:
 
 
 def _make_simulator(node: Node, pair: GearPair, settings: SimSettings) -> Simulator:
-    with _announce_compilation(node):
+    with interruptible(), _announce_compilation(node):
         simulator = Simulator(
             pair,
             sample_rate=settings.sample_rate,
@@ -197,8 +198,10 @@ def _announce_compilation(node: Node) -> Iterator[None]:
     line = 'compiling the model for this machine; only a first start takes this long'
     notice = threading.Timer(2.0, node.get_logger().info, [line])
     notice.start()
-    yield
-    notice.cancel()
+    try:
+        yield
+    finally:
+        notice.cancel()
 
 
 def main(argv: Sequence[str] | None = None) -> int:

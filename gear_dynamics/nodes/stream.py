@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import HistoryPolicy, QoSProfile
@@ -16,6 +17,10 @@ FRAME = 'line_of_action'
 
 DEPTH = 100
 """Blocks that are kept for a reliable listener that is behind."""
+
+
+LAST = 0.5
+"""Time that listeners have to receive the last block [s]."""
 
 
 class Stream:
@@ -74,3 +79,8 @@ class Stream:
                 return False
             del self._waiting[0]
         return True
+
+    def close(self) -> None:
+        """Give listeners that live a moment to receive what was published last."""
+        for publisher in (self._samples, self._events):
+            publisher.wait_for_all_acked(Duration(seconds=LAST))

@@ -46,6 +46,14 @@ def test_help_lists_the_parameters(domain):
         assert 'half_backlash (default 0.00015)' in sim.output
 
 
+def test_first_compilation_is_announced_and_ends_at_a_signal(domain, tmp_path, monkeypatch):
+    monkeypatch.setenv('NUMBA_CACHE_DIR', str(tmp_path))
+    with ros_support.Process('gear_dynamics.nodes.sim', domain) as sim:
+        sim.wait_for('compiling the model', 60)
+        assert sim.stop(timeout=5) == 0
+        assert 'Traceback' not in sim.output
+
+
 def test_a_parameter_file_sets_the_rig(domain, client, tmp_path):
     from rclpy.qos import DurabilityPolicy, QoSProfile
     from std_msgs.msg import String
