@@ -21,7 +21,9 @@ class Band(NamedTuple):
     kurtosis: float
 
 
-def envelope(x: np.ndarray, rate: float, low: float, high: float) -> np.ndarray:
+def envelope(
+    x: np.ndarray, rate: float, low: float, high: float, count: int | None = None
+) -> np.ndarray:
     """Return the envelope: the magnitude of the analytic signal of the band [low, high).
 
     Parameters
@@ -29,10 +31,13 @@ def envelope(x: np.ndarray, rate: float, low: float, high: float) -> np.ndarray:
     x : ndarray, shape (n,) or (n, channels)
     rate, low, high : float
         Sample rate and limits of the band [Hz].
+    count : int, optional
+        Values that the envelope is given at, evenly over the same time; n by default. It moves
+        no faster than the band is wide, so that fewer do.
 
     Returns
     -------
-    ndarray, shape of x
+    ndarray, shape (count,) or (count, channels)
 
     Raises
     ------
@@ -43,12 +48,16 @@ def envelope(x: np.ndarray, rate: float, low: float, high: float) -> np.ndarray:
         raise ValueError(
             f'band is {low:g} to {high:g} Hz: it must rise and lie within 0 and {rate / 2:g} Hz'
         )
-    frequency = fft.rfftfreq(len(x), 1 / rate)
-    inside = (frequency >= max(low, frequency[1])) & (frequency < high)
-    present = fft.rfft(x, axis=0)
-    lines = np.zeros((len(x), *present.shape[1:]), dtype=present.dtype)
-    lines[: len(frequency)][inside] = 2 * present[inside]
-    return np.abs(fft.ifft(lines, axis=0))
+    count = len(x) if count is None else count
+    first, end = _lines(len(x), rate, low, high)
+    # Only the magnitude is wanted, so that the band may as well begin at frequency 0.
+    band = fft.rfft(x, axis=0)[first:end]
+    return np.abs(fft.ifft(band, count, axis=0)) * (2 * count / len(x))
+
+
+def _lines(length: int, rate: float, low: float, high: float) -> tuple[int, int]:
+    """Return the first line of a band and the one after its last; without the mean."""
+    return max(1, int(np.ceil(low * length / rate))), int(np.ceil(high * length / rate))
 
 
 def envelope_spectrum(
@@ -61,12 +70,15 @@ def envelope_spectrum(
 
     Returns
     -------
-    frequency : ndarray, shape (n // 2 + 1,)
-        [Hz]
+    frequency : ndarray, shape (m,)
+        [Hz], up to twice the width of the band or half of the rate.
     amplitude : ndarray, shape of frequency, or that and channels
     """
-    demodulated = envelope(x, rate, low, high)
-    return amplitude_spectrum(demodulated - demodulated.mean(axis=0), rate, window=window)
+    first, end = _lines(len(x), rate, low, high)
+    count = min(len(x), fft.next_fast_len(4 * (end - first)))
+    demodulated = envelope(x, rate, low, high, count)
+    demodulated -= demodulated.mean(axis=0)
+    return amplitude_spectrum(demodulated, rate * count / len(x), window=window)
 
 
 def spectral_kurtosis(

@@ -39,7 +39,7 @@ from gear_dynamics.configuration import Rig
 from gear_dynamics.model.columns import CHANNELS
 from gear_dynamics.settings import AnalyzerSettings
 
-BATCH = 0.04
+BATCH = 0.02
 """Seconds of samples, or of events, that are worked on at once."""
 
 EXACT = 'exact, from events'

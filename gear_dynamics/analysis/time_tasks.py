@@ -120,12 +120,12 @@ class Envelope(NamedTuple):
     amplitude: np.ndarray
 
 
-CHOICE = 16384
+CHOICE = 8192
 """Samples, the last of a stretch, by which the band is chosen."""
 
 
 class EnvelopeTask:
-    """Envelope spectra, one channel at each push so that no block has to wait for all.
+    """Envelope spectra of stretches that follow each other.
 
     Parameters
     ----------
@@ -141,32 +141,23 @@ class EnvelopeTask:
         self._length = length
         self._rate = rate
         self._given = Band(low, high, float('nan')) if high > 0 else None
-        self._segments = SegmentBuffer(length, length, len(CHANNELS))
+        # Single precision is enough for a choice of band and a picture, at half the time.
+        self._segments = SegmentBuffer(length, length, len(CHANNELS), np.float32)
         self._first = 0
-        self._waiting: np.ndarray | None = None
-        self._bands: list[Band] = []
-        self._columns: list[np.ndarray] = []
 
     def push(self, channels: np.ndarray) -> Iterator[tuple[int, int, Envelope]]:
         """Take samples of all channels; yield first sample, number of samples, envelope."""
         for segment in self._segments.push(channels):
-            while self._waiting is not None:
-                yield from self._step()
-            # Single precision is enough for a choice of band and a picture, at half the time.
-            self._waiting = segment.T.astype(np.float32)
-            self._bands, self._columns = [], []
+            found = [self._envelope(x) for x in np.ascontiguousarray(segment.T)]
+            bands = tuple(band for band, _, _ in found)
+            # All have the same step of frequency; the band of each tells how far it goes.
+            frequency = max((each for _, each, _ in found), key=len)
+            amplitude = np.zeros((len(frequency), len(found)), np.float32)
+            for index, (_, _, column) in enumerate(found):
+                amplitude[: len(column), index] = column
+            yield self._first, self._length, Envelope(bands, frequency, amplitude)
             self._first += self._length
-        yield from self._step()
 
-    def _step(self) -> Iterator[tuple[int, int, Envelope]]:
-        if self._waiting is None:
-            return
-        x = self._waiting[len(self._columns)]
+    def _envelope(self, x: np.ndarray) -> tuple[Band, np.ndarray, np.ndarray]:
         band = self._given or most_impulsive_band(x[-CHOICE:], self._rate)
-        frequency, amplitude = envelope_spectrum(x, self._rate, band.low, band.high)
-        self._bands.append(band)
-        self._columns.append(amplitude)
-        if len(self._columns) == len(self._waiting):
-            outcome = Envelope(tuple(self._bands), frequency, np.stack(self._columns, axis=1))
-            yield self._first - self._length, self._length, outcome
-            self._waiting = None
+        return band, *envelope_spectrum(x, self._rate, band.low, band.high)
