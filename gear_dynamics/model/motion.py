@@ -37,6 +37,8 @@ CLOCK = np.dtype(
         for name in (
             # next sample, sample at the origin of time, mesh cycle, its zone, contact states
             'sample origin cycle zone contact_a contact_b '
+            # 1: contact states may have jumped, and are looked at where the next step begins
+            'unsettled '
             'anchor_cycle section_cycle '
             # why the present step ends, and the contact states after it
             'ending next_a next_b degree '
@@ -100,6 +102,7 @@ def at_rest(
     clock['smallest_step'] = math.inf
     clock['contact_a'] = clock['contact_b'] = np.where(clock['torque'] >= 0, DRIVE, BACK)
     clock['length'] = -1.0
+    clock['unsettled'] = profiles is not None and len(profiles) > 0
     constants = np.concatenate(
         [pack(pair, run.rtol, run.atol, drive) for pair, run in zip(pairs, runs, strict=True)]
     )

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from gear_dynamics.model import contact, mesh, stepper
+from gear_dynamics.model import mesh, stepper
 from gear_dynamics.model.band_limit import BandLimiter
 from gear_dynamics.model.columns import EVENTS, SAMPLE_COLUMNS, SAMPLES
 from gear_dynamics.model.constants import pack
@@ -272,13 +272,9 @@ class Simulator:
         packed = pack(self.pair, self.settings.rtol, self.settings.atol, self._drive)
         zones = mesh.zones(self.pair, self._profiles)
         self._motion = self._motion._replace(constants=packed, zones=zones)
-        clock, y, p = self._motion.clock[0], self._motion.state[0], packed[0]
+        clock = self._motion.clock[0]
         clock['zone'] = np.searchsorted(zones['begin'], clock['phase'], side='right') - 1
-        angle = 2 * math.pi * clock['phase'] + p['phi0']
-        error = p['e_a'] * math.sin(angle)
-        error_dot = p['e_a'] * math.cos(angle) * p['z1'] * clock['speed']
-        delta, delta_dot = y[3] - y[1] + y[4] - error, y[9] - y[7] + y[10] - error_dot
-        clock['contact_a'] = clock['contact_b'] = contact.contact_state(delta, delta_dot, p['b'])
+        clock['unsettled'] = 1
 
     def _reach_sample(self) -> None:
         """Step up to the instant of the next sample."""

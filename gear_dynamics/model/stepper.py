@@ -237,7 +237,7 @@ def begin_step(p, clock, zones, profiles, y, series, error, segment, work, enter
     zone = zones[clock.zone]
     clock.degree = fill_segment(p, clock, zone, profiles, segment)
     transmission_error(p, clock.phase, clock.speed, clock.accel, error)
-    if entered and clock.zone == 0:
+    if entered and profiles.size > 0 and clock.phase == 0.0:
         # Pair A is new: the state that it begins in is no change of contact.
         delta = y[3] - y[1] + y[4] - error[0, 0] - segment[SEG_ERROR, 0]
         slope = y[9] - y[7] + y[10] - error[0, 1] - segment[SEG_ERROR, 1]
@@ -273,7 +273,8 @@ def run(p, clock, zones, profiles, y, series, error, segment, work, point, event
 
     Returns DONE, EVENTS_FULL (empty the events and call again), STUCK or NOT_FINITE.
     """
-    entered = clock.steps == 0 and profiles.size > 0
+    entered = clock.unsettled != 0
+    clock.unsettled = 0
     while True:
         if clock.length < 0:
             begin_step(p, clock, zones, profiles, y, series, error, segment, work, entered)
