@@ -56,8 +56,14 @@ class Pair:
 
     number: int  # in the order of engagement
     sliding: int  # lambda
-    profiles: list
+    profiles: list  # coefficients of stiffness, damping, error
     contact: int = 1  # drive flank 1, gap 0, back flank -1
+
+
+def cubic(coefficients, s):
+    """Return a cubic, lowest coefficient first, and its slope."""
+    c0, c1, c2, c3 = coefficients
+    return c0 + s * (c1 + s * (c2 + s * c3)), c1 + s * (2 * c2 + s * 3 * c3)
 
 
 class Equations:
@@ -147,7 +153,7 @@ class Equations:
                 continue
             number = cycle - ahead
             rows = [
-                row
+                tuple(row[name].tolist() for name in ('stiffness', 'damping', 'error'))
                 for row in self.profiles
                 if row['begin'] <= s <= row['end']
                 and row['pinion_tooth'] in (-1, number % self.pair.pinion_teeth)
@@ -162,11 +168,11 @@ class Equations:
         s = (self.pair.pinion_teeth * turned / (2 * math.pi) - pair.number) * self.pb
         s_dot = self.pb * self.pair.pinion_teeth / (2 * math.pi) * speed
         k, c, e, slope = self.k, self.c, 0.0, 0.0
-        for row in pair.profiles:
-            k += self.k * np.polyval(row['stiffness'][::-1], s)
-            c += self.c * np.polyval(row['damping'][::-1], s)
-            e += np.polyval(row['error'][::-1], s)
-            slope += np.polyval(np.polyder(row['error'][::-1]), s)
+        for stiffness, damping, error in pair.profiles:
+            k += self.k * cubic(stiffness, s)[0]
+            c += self.c * cubic(damping, s)[0]
+            height, rise = cubic(error, s)
+            e, slope = e + height, slope + rise
         if self.pair.mesh_stiffness == 'constant':
             share = 1 / self.sharing
             k, c = k * share, c * share

@@ -5,7 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
+from gear_dynamics.model.columns import EventKind
 from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.mesh import PROFILES
 from gear_dynamics.model.parameter import ParameterError
 from gear_dynamics.model.simulator import Simulator
 
@@ -150,3 +152,38 @@ def test_band_limited_stream_takes_commands_a_filter_delay_later():
     torque = simulator.advance(200)['load_torque']
     first = int(np.argmax(torque > 150.0))
     assert 0 < first <= 26
+
+
+def test_change_to_the_same_pair_changes_nothing_even_with_a_tooth_out_of_contact():
+    # A flank 60 um low on one pinion tooth: it does not touch while its neighbours carry.
+    flank = np.zeros(1, PROFILES)
+    flank['pinion_tooth'], flank['gear_tooth'] = 3, -1
+    flank['begin'], flank['end'], flank['error'] = 0.001, 0.0095, [60e-6, 0, 0, 0]
+    options = {'profiles': flank, 'anti_alias': False, 'rtol': 1e-11, 'atol': 1e-14}
+    undisturbed, changed = Simulator(GearPair(), **options), Simulator(GearPair(), **options)
+    expected = undisturbed.advance(600)
+    got = []
+    for _ in range(60):
+        got.append(changed.advance(10))
+        changed.change(pair=GearPair())
+    got = np.concatenate(got)
+    for name in ('mesh_force', 'pinion_ay', 'delta'):
+        scale = np.sqrt(np.mean(expected[name] ** 2))
+        difference = np.abs(got[name] - expected[name])
+        assert np.quantile(difference, 0.99) < 1e-8 * scale, name
+    one, two = undisturbed.take_events(), changed.take_events()
+    np.testing.assert_array_equal(two['kind'], one['kind'])
+    assert EventKind.DRIVE_LOST in one['kind']
+
+
+def test_contact_that_a_new_backlash_ends_is_an_event():
+    simulator = Simulator(GearPair(), anti_alias=False)
+    simulator.advance(1000)
+    simulator.take_events()
+    simulator.change(pair=dataclasses.replace(GearPair(), half_backlash=200e-6))
+    simulator.advance(1000)
+    contacts = simulator.take_events()
+    contacts = contacts[contacts['kind'] != EventKind.SECTION]
+    assert contacts['kind'][0] == EventKind.DRIVE_LOST
+    assert contacts['t'][0] == pytest.approx(1000 / RATE, rel=1e-12)
+    assert EventKind.DRIVE_REGAINED in contacts['kind']

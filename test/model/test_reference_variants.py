@@ -13,7 +13,7 @@ from gear_dynamics.model.mesh import PROFILES
 
 DEFAULT = GearPair()
 RPM = np.pi / 30
-COUNT = 256
+COUNT = 200
 
 
 def flank(**values):
@@ -56,9 +56,8 @@ def changed(**values):
         (changed(pinion_teeth=20, gear_teeth=75, module=0.003), 700, 400.0),
         (changed(pinion_teeth=59, gear_teeth=34), 1000, 150.0),
         (DEFAULT, 1000, -150.0),
-        (DEFAULT, 2000, -100.0),
     ],
-    ids=['constant', 'gap damping', 'mu 0', 'phase', '20/75', 'step-up', 'back flank', 'back loss'],
+    ids=['constant', 'gap damping', 'mu 0', 'phase', '20/75', 'step-up', 'back flank'],
 )  # fmt: skip
 def test_variant_equals_reference(pair, rpm, torque):
     assert_equal_to_reference(pair, rpm * RPM, torque)
