@@ -181,7 +181,7 @@ def balance(pair, rpm, load_torque, cycles):
 )
 def test_energy_closes_only_if_all_is_counted(rpm, load_torque, changes, losses):
     pair = dataclasses.replace(GearPair(), **changes)
-    ledger, change = balance(pair, rpm, load_torque, cycles=30)
+    ledger, change = balance(pair, rpm, load_torque, cycles=15)
     assert (ledger.losses > 0) == losses
     work = ledger.work
     lost = -(work['supports'] + work['mesh'] + work['friction'])
@@ -198,7 +198,7 @@ def test_energy_closes_only_if_all_is_counted(rpm, load_torque, changes, losses)
     ('rpm', 'load_torque'), [(1000, 150.0), (3200, 150.0), (8000, 150.0), (3200, -150.0)]
 )
 def test_friction_of_the_sliding_flanks_feeds_energy_in_only_under_tension(rpm, load_torque):
-    ledger, _ = balance(GearPair(), rpm, load_torque, cycles=30)
+    ledger, _ = balance(GearPair(), rpm, load_torque, cycles=15)
     lost = -ledger.work['friction']
     assert lost > 0
     assert ledger.fed_by_sliding == 0

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+import scipy.linalg
 from states import state_of_sample
 
 from gear_dynamics.model.gear_pair import GearPair
@@ -83,3 +84,17 @@ def test_steady_state_is_the_frequency_response(frequency):
     assert np.all(states[:, [0, 2]] == 0)
     assert abs(amplitude[0]) == abs(amplitude[2]) == 0
     np.testing.assert_allclose(mean[[1, 3]], static[[1, 3]], rtol=ACCURACY)
+
+
+@pytest.mark.parametrize(
+    ('pairs', 'known'), [(1, ['1793', '2845', '7039']), (2, ['1803', '2895', '9730'])]
+)
+def test_modes_on_the_line_of_action_are_the_known_ones(pairs, known):
+    # Generalised eigenvalues of the default pair's mass and stiffness, without rigid rotation.
+    d = GearPair().derived
+    mass = np.diag([d.pinion_mass, d.gear_mass, d.pinion_inertia, d.gear_inertia])
+    h = np.array([-1, 1, d.pinion_base_radius, -d.gear_base_radius])
+    stiffness = np.diag([5e8, 5e8, 0, 0]) + pairs * 5.33e8 * np.outer(h, h)
+    squares = scipy.linalg.eigh(stiffness, mass, eigvals_only=True)
+    assert squares[0] == pytest.approx(0, abs=1)
+    assert [f'{math.sqrt(w2) / (2 * math.pi):.0f}' for w2 in squares[1:]] == known

@@ -68,8 +68,11 @@ def test_contact_is_lost_at_the_known_speeds(rpm, lost):
     assert np.any(events['kind'] == EventKind.DRIVE_LOST) == lost
 
 
-@pytest.mark.parametrize(('rpm', 'irregular'), [(1000, False), (8000, False), (5100, True),
-                                                (9500, True)])  # fmt: skip
+@pytest.mark.parametrize(
+    ('rpm', 'irregular'),
+    [(1000, False), (8000, False), (5000, True), (5100, True), (5200, True), (9000, True),
+     (9500, True)],
+)  # fmt: skip
 def test_motion_is_aperiodic_where_known(rpm, irregular):
     _, run = settled(GearPair(), rpm * RPM, 2000, 64, per_cycle=4)
     events = run.take_events()
