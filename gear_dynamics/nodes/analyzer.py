@@ -29,6 +29,7 @@ from gear_dynamics.nodes.analyzer_log import (
     TEXT,
     AnalyzerLog,
 )
+from gear_dynamics.nodes.compiling import compiling
 from gear_dynamics.nodes.condition import condition_bytes
 from gear_dynamics.nodes.diagnostics import Diagnostics
 from gear_dynamics.nodes.middleware import config_file
@@ -51,7 +52,8 @@ class Analyzer:
         settings = parameters.get(AnalyzerSettings)
         self._monitor = Monitor(settings, _thresholds(settings.thresholds))
         # Whatever must be compiled or loaded is, before the first block can come.
-        warm_up()
+        with compiling(node, 'the analysis'):
+            warm_up()
         self._log = AnalyzerLog(node, settings)
         self._health = AnalyzerHealth(self._monitor.health)
         self._drops = 0

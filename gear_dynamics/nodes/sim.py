@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import functools
 import sys
-import threading
 import time
 from collections.abc import Iterator, Sequence
 
@@ -19,11 +18,12 @@ from gear_dynamics.configuration import configuration_text
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.parameter import ParameterError
 from gear_dynamics.model.simulator import IntegrationError, Simulator
+from gear_dynamics.nodes.compiling import compiling
 from gear_dynamics.nodes.diagnostics import Diagnostics
 from gear_dynamics.nodes.monitor import Monitor
 from gear_dynamics.nodes.pacing import SECOND, Schedule, StampCounter
 from gear_dynamics.nodes.parameters import NodeParameters
-from gear_dynamics.nodes.run import NodeError, interruptible, run_node
+from gear_dynamics.nodes.run import NodeError, run_node
 from gear_dynamics.nodes.sim_health import SimHealth
 from gear_dynamics.nodes.stream import Stream
 from gear_dynamics.settings import SimSettings
@@ -163,7 +163,7 @@ class Sim:
 
 
 def _make_simulator(node: Node, pair: GearPair, settings: SimSettings) -> Simulator:
-    with interruptible(), _announce_compilation(node):
+    with compiling(node, 'the model'):
         simulator = Simulator(
             pair,
             sample_rate=settings.sample_rate,
@@ -191,17 +191,6 @@ def _one_line() -> Iterator[None]:
         yield
     except IntegrationError as error:
         raise NodeError(str(error)) from error
-
-
-@contextlib.contextmanager
-def _announce_compilation(node: Node) -> Iterator[None]:
-    line = 'compiling the model for this machine; only a first start takes this long'
-    notice = threading.Timer(2.0, node.get_logger().info, [line])
-    notice.start()
-    try:
-        yield
-    finally:
-        notice.cancel()
 
 
 def main(argv: Sequence[str] | None = None) -> int:
