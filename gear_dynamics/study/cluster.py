@@ -27,16 +27,18 @@ def connect(address: str) -> Any:
         If dask is not installed or nothing answers there.
     """
     try:
-        from distributed import Client, LocalCluster
+        from distributed import Client
     except ModuleNotFoundError:
         raise ClusterError(MISSING) from None
     if address == 'local':
-        # One thread a worker: a task takes the machine's cores by itself, and Numba's threads
-        # must not be entered twice at once.
-        cluster = LocalCluster(
-            n_workers=os.cpu_count(), threads_per_worker=1, dashboard_address=None
+        # One thread a worker: Numba's own threads must not be entered twice at once. And one for
+        # Numba, as there is a worker for each core.
+        return Client(
+            n_workers=os.cpu_count(),
+            threads_per_worker=1,
+            dashboard_address=None,
+            env={'NUMBA_NUM_THREADS': '1'},
         )
-        return Client(cluster)
     try:
         return Client(address, timeout='10s')
     except (OSError, ValueError) as error:
