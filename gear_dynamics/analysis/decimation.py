@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 
 PASS_BAND = 0.4
@@ -12,6 +14,7 @@ ATTENUATION = 60.0
 """Least attenuation of what folds into the pass band [dB]."""
 
 
+@functools.lru_cache(maxsize=4)
 def lowpass_taps(ratio: int) -> np.ndarray:
     """Return a linear-phase low-pass for decimation: a sinc under a Kaiser window.
 
@@ -50,7 +53,6 @@ class Decimator:
 
     def __init__(self, ratio: int) -> None:
         self.ratio = ratio
-        self._taps = lowpass_taps(ratio) if ratio > 1 else np.ones(1)
         self._past: np.ndarray | None = None
         self._begin = 0
 
@@ -74,7 +76,8 @@ class Decimator:
             Numbers of the samples given out: multiples of `ratio`.
         values : ndarray, shape (len(numbers), channels)
         """
-        length = len(self._taps)
+        taps = lowpass_taps(self.ratio) if self.ratio > 1 else np.ones(1)
+        length = len(taps)
         if self._past is None:
             self._past = np.repeat(block[:1], length - 1, axis=0)
             self._begin = first
@@ -85,4 +88,4 @@ class Decimator:
         numbers = np.arange(-(-earliest // self.ratio) * self.ratio, first + len(block) - delay)
         numbers = numbers[:: self.ratio]
         windows = np.lib.stride_tricks.sliding_window_view(samples, length, axis=0)
-        return numbers, windows[numbers - (first - delay)] @ self._taps
+        return numbers, windows[numbers - (first - delay)] @ taps

@@ -33,6 +33,9 @@ ABOUT = 'Streams the vibration of a simulated spur gear pair on gear_pair/sample
 SHORTEST_TICK = SECOND // 1000
 """Least time between two looks at the schedule [ns]; blocks due in between go out together."""
 
+LONGEST_TICK = 10**6 * SECOND
+"""What a timer can hold; a pace so slow is as good as none [ns]."""
+
 LONGEST_TURN = SECOND // 50
 """Time that blocks may take before commands and services have their turn [ns]."""
 
@@ -62,9 +65,9 @@ class Sim:
         self._diagnostics = Diagnostics(node, self._health.tasks())
         self._publish_configuration_on(parameters)
         self._take_commands()
-        period = max(self._schedule.interval_ns, SHORTEST_TICK) / SECOND
+        tick = min(max(self._schedule.interval_ns, SHORTEST_TICK), LONGEST_TICK)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self._timer = node.create_timer(period, self._tick, clock=steady)
+        self._timer = node.create_timer(tick / SECOND, self._tick, clock=steady)
         self._restart()
         node.get_logger().info(
             f'streaming {self._rate:g} samples/s in blocks of {self._block_size}'
