@@ -24,7 +24,7 @@ MEASURED = 60
 """Motions that one task measures."""
 
 IN_A_ROW = 3
-"""Neighbouring values that must be chaotic for chaos to have begun."""
+"""Neighbouring values that must be chaotic to count as a range of chaos."""
 
 UP, DOWN = 0, 1
 
@@ -170,13 +170,15 @@ def _kinds(arrays: dict[str, np.ndarray]) -> np.ndarray:
     return np.array(words).reshape(exponent.shape)
 
 
-def chaos_begins(values: np.ndarray, kinds: np.ndarray) -> float:
-    """Return the first of IN_A_ROW neighbouring values with chaos, or NaN."""
-    chaotic = kinds == 'chaotic'
-    for i in range(len(values) - IN_A_ROW + 1):
-        if chaotic[i : i + IN_A_ROW].all():
-            return float(values[i])
-    return float('nan')
+def chaotic_ranges(values: np.ndarray, kinds: np.ndarray) -> list[tuple[float, float]]:
+    """Return the first and last of the values in each stretch of IN_A_ROW or more with chaos."""
+    chaotic = np.concatenate([[False], kinds == 'chaotic', [False]]).astype(int)
+    begins, ends = np.flatnonzero(np.diff(chaotic) == 1), np.flatnonzero(np.diff(chaotic) == -1)
+    return [
+        (float(values[begin]), float(values[end - 1]))
+        for begin, end in zip(begins, ends, strict=True)
+        if end - begin >= IN_A_ROW
+    ]
 
 
 def _text(arrays: dict[str, np.ndarray]) -> str:
@@ -186,11 +188,10 @@ def _text(arrays: dict[str, np.ndarray]) -> str:
         arrays['friction'], arrays['kind'], arrays['sections'], strict=True
     ):
         for direction, kind in zip(('up', 'down'), kinds, strict=True):
-            first = chaos_begins(values, kind)
-            begins = f'begins at {first:.4f}' if first == first else 'does not occur'
+            ranges = [f'{first:.4g} to {last:.4g}' for first, last in chaotic_ranges(values, kind)]
+            words = 'chaos at ' + ', '.join(ranges) if ranges else 'no chaos'
             share = np.mean(kind == 'chaotic')
-            words = f'chaos {begins}, at {share:.1%} of the values'
-            lines.append(f'mu = {mu:g}, swept {direction}: {words}')
+            lines.append(f'mu = {mu:g}, swept {direction}: {words} ({share:.1%} of the values)')
         apart = np.mean(_differs(sections))
         lines.append(f'mu = {mu:g}: up and down differ at {apart:.1%} of the values')
     worst = np.abs(arrays['sum_error']).max()

@@ -11,7 +11,7 @@ from gear_dynamics.study.frequency_response import jumps
 from gear_dynamics.study.friction_spectrum import RECORD, quantity_rows
 from gear_dynamics.study.initial import states_at
 from gear_dynamics.study.lyapunov_table import support_exponents
-from gear_dynamics.study.orbit_diagram import chaos_begins
+from gear_dynamics.study.orbit_diagram import chaotic_ranges
 
 CHAOS = study.friction_chaos()
 
@@ -62,10 +62,10 @@ def test_bifurcation_goes_on_from_one_value_to_the_next():
     assert np.abs(outcome.arrays['sum_error']).max() < 1e-6
 
 
-def test_chaos_begins_where_neighbours_are_chaotic():
+def test_ranges_of_chaos():
     kinds = np.array(['period-1', 'chaotic', 'period-2', 'chaotic', 'chaotic', 'chaotic'])
-    assert chaos_begins(np.arange(6.0), kinds) == 3.0
-    assert math.isnan(chaos_begins(np.arange(3.0), kinds[:3]))
+    assert chaotic_ranges(np.arange(6.0), kinds) == [(3.0, 5.0)]
+    assert chaotic_ranges(np.arange(3.0), kinds[:3]) == []
 
 
 def test_rows_of_a_known_signal():
