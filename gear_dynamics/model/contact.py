@@ -17,6 +17,9 @@ DRIVE, GAP, BACK = 1, 0, -1
 # that a part has room for one extremum at most.
 
 _NEAR = 8 * np.finfo(np.float64).eps
+_STILL = 1e-10
+"""Of b: a pair that rests on the edge, without load, leaves it only to go further than this;
+otherwise rounding would have it come and go without end."""
 
 
 @kernel
@@ -82,10 +85,11 @@ def _exit(g, row, level, sign, near, ta, ga, sa, tb, gb, sb):
     ua, va = sign * (ga - level), sign * sa
     ub, vb = sign * (gb - level), sign * sb
     if ua <= near:
-        if va < 0 or (va == 0 and ub < 0):
-            return ta
-        if ub >= 0:
+        still = _STILL * abs(level)
+        if ub >= -still and va * (tb - ta) >= -still:
             return math.inf
+        if va <= 0:
+            return ta
         return _root(g, row, level, sign, _extremum(g, row, ta, tb) if va > 0 > vb else ta, tb)
     if ub < 0:
         return _root(g, row, level, sign, ta, tb)
