@@ -94,3 +94,21 @@ def test_what_cannot_be_integrated_raises_one_clear_line():
     assert '\n' not in message
     assert 't = 0.00195' in message
     assert 'no longer finite' in message
+
+
+@pytest.mark.parametrize('anti_alias', [False, True])
+def test_stopped_and_unloaded_pair_comes_to_rest_and_starts_again(anti_alias):
+    # At rest on the edge of the flank, without load, roundings would open and close the contact.
+    simulator = Simulator(
+        GearPair(), anti_alias=anti_alias, speed_rate_limit=1000.0, torque_rate_limit=10000.0
+    )
+    simulator.advance(2000)
+    simulator.command(speed=0.0, load_torque=0.0)
+    simulator.advance(4 * 51200)
+    still = simulator.advance(51200)
+    assert np.max(np.abs(still['mesh_force'])) < 1e-3
+    assert np.max(np.abs(still['delta'])) < 151e-6
+    simulator.command(speed=50.0, load_torque=100.0)
+    simulator.advance(10240)
+    force = 100.0 / simulator.pair.derived.gear_base_radius
+    assert simulator.advance(10240)['mesh_force'].mean() == pytest.approx(force, rel=0.02)
