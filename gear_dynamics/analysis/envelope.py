@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -124,27 +125,37 @@ def kurtogram(x: np.ndarray, rate: float, levels: int = 6) -> list[Band]:
     levels : int
         Deepest level; bands of fewer than 64 samples are left out.
     """
+    return [
+        Band(float(edges[index]), float(edges[index + 1]), float(value))
+        for edges, kurtosis in _kurtosis_by_width(x, rate, levels)
+        for index, value in enumerate(kurtosis)
+    ]
+
+
+def _kurtosis_by_width(
+    x: np.ndarray, rate: float, levels: int
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Yield edges [Hz] and kurtosis of the bands of each width, the widest first."""
     centred = x - np.mean(x)
     lines = fft.rfft(centred / max(np.max(np.abs(centred)), np.finfo(centred.dtype).tiny))[1:]
     halves = {2**k for k in range(levels + 1)}
     thirds = {3 * 2**k for k in range(levels - 1)}
-    bands: list[Band] = []
     for count in sorted(halves | thirds):
         width = len(lines) // count
         if width < 64:
-            break
+            return
         signals = fft.ifft(lines[: width * count].reshape(count, width), axis=1)
         square = signals.real**2 + signals.imag**2
         mean = np.maximum(square.mean(axis=1), SILENT)
         kurtosis = (square**2).mean(axis=1) / mean**2 - 2
-        edges = np.arange(count + 1) * width * rate / len(x)
-        bands += [
-            Band(float(low), float(high), float(value))
-            for low, high, value in zip(edges[:-1], edges[1:], kurtosis, strict=True)
-        ]
-    return bands
+        yield np.arange(count + 1) * width * rate / len(x), kurtosis
 
 
 def most_impulsive_band(x: np.ndarray, rate: float, levels: int = 6) -> Band:
     """Return the band of the kurtogram with the greatest kurtosis; the arguments are its."""
-    return max(kurtogram(x, rate, levels), key=lambda band: band.kurtosis)
+    best = Band(0.0, rate / 2, -np.inf)
+    for edges, kurtosis in _kurtosis_by_width(x, rate, levels):
+        index = int(np.argmax(kurtosis))
+        if kurtosis[index] > best.kurtosis:
+            best = Band(float(edges[index]), float(edges[index + 1]), float(kurtosis[index]))
+    return best
