@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from pathlib import Path
 
+import yaml
 from rclpy.node import Node
 
 from gear_dynamics.bag.metadata import OfferedQos
@@ -34,11 +35,12 @@ class AnalyzerLog:
     def __init__(self, node: Node, settings: AnalyzerSettings) -> None:
         self._node = node
         self._names: dict[str, str] = {}
+        self._configuration = {'analyzer': _analysis_text(settings)}
         self._writer = None
         if settings.log:
             self._writer = LogWriter(
                 Path(settings.log_directory).expanduser(),
-                {},
+                self._configuration,
                 settings.log_compression,
                 settings.log_split_size,
                 settings.log_split_duration,
@@ -73,7 +75,8 @@ class AnalyzerLog:
     def configure(self, text: str) -> None:
         """Note the rig's configuration in the log's metadata."""
         if self._writer is not None:
-            self._writer.configure({'configuration': text})
+            self._configuration['configuration'] = text
+            self._writer.configure(self._configuration)
 
     def report(self) -> Report:
         """Return the state of the log for /diagnostics."""
@@ -101,3 +104,10 @@ class AnalyzerLog:
                 self._node.get_logger().error(f'the log is not whole: {status.reason}')
             else:
                 self._node.get_logger().info(f'{status.messages} messages in {status.path}')
+
+
+def _analysis_text(settings: AnalyzerSettings) -> str:
+    """Return the settings as YAML, less those that belong to this machine."""
+    values = settings.to_mapping()
+    del values['log_directory'], values['thresholds']
+    return yaml.safe_dump(values, sort_keys=False)
