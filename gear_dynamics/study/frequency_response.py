@@ -19,9 +19,9 @@ RECORD, SAMPLES = 32, 128
 
 AT_ONCE = 60
 
-JUMP = 0.05
-"""Change of the RMS over b from one value to the next that counts as a jump, where both motions
-have a period: an irregular one has no RMS of so short a record."""
+JUMP = 0.1
+"""Change of the RMS over b from one value to the next that counts as a jump, if one of the two
+motions has a period: between irregular ones the RMS of so short a record differs anyway."""
 
 LONGEST_PERIOD = 8
 
@@ -95,7 +95,7 @@ def jumps(
 ) -> list[tuple[float, float, float]]:
     """Return where the RMS jumps along increasing values: the value and RMS before and after."""
     regular = period > 0
-    steps = (np.abs(np.diff(rms)) > JUMP) & regular[1:] & regular[:-1]
+    steps = (np.abs(np.diff(rms)) > JUMP) & (regular[1:] | regular[:-1])
     return [
         (float((values[i] + values[i + 1]) / 2), float(rms[i]), float(rms[i + 1]))
         for i in np.flatnonzero(steps)

@@ -97,8 +97,8 @@ def test_friction_moves_the_first_harmonic_as_an_independent_code_saw():
 
 
 def test_response_jumps_where_attractors_end():
-    values, rms = np.arange(5.0), np.array([0.1, 0.11, 0.3, 0.31, 0.6])
-    assert jumps(values, rms, np.array([1, 1, 1, 2, 0])) == [(1.5, 0.11, 0.3)]
+    values, rms = np.arange(6.0), np.array([0.1, 0.11, 0.3, 0.31, 0.6, 0.8])
+    assert jumps(values, rms, np.array([1, 1, 1, 2, 0, 0])) == [(1.5, 0.11, 0.3), (3.5, 0.31, 0.6)]
 
 
 def test_response_of_the_linear_motion_is_the_same_up_and_down():

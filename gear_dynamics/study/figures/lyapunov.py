@@ -17,11 +17,11 @@ def draw(arrays: Arrays) -> Figure:
     for column, mu in zip(grid.T, frictions, strict=True):
         which = np.flatnonzero(arrays['friction'] == mu)
         _convergence(column[0], arrays, which, mu)
-        points = arrays['sections'][which].reshape(-1, 2)
-        column[1].plot(points[:, 0], points[:, 1], ',', color=COLOURS[0], alpha=0.5)
-        if len(np.unique(points.round(3), axis=0)) <= 64:
-            column[1].plot(points[:, 0], points[:, 1], '.', color=COLOURS[0], markersize=6)
-        column[1].set(xlabel='δ / b', title='section at half a cycle')
+        half = arrays['sections'].shape[1] // 2
+        points = arrays['sections'][which, half:].reshape(-1, 2)
+        periodic = len(np.unique(points.round(3), axis=0)) <= 64
+        column[1].plot(points[:, 0], points[:, 1], '.' if periodic else ',', color=COLOURS[0])
+        column[1].set(xlabel='δ / b', title='section, second half of the records')
     grid[0, 0].set_ylabel('mean over the first cycles [1/τ]')
     grid[1, 0].set_ylabel("δ' / (b ωn)")
     return figure
