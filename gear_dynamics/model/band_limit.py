@@ -1,16 +1,22 @@
 """Band-limited samples: evaluation at four times the rate, a linear-phase FIR, decimation.
 
-Acceleration and force jump at mesh events; sampled as they are, what lies above half the sample
-rate folds back. The filter is a Kaiser-windowed sinc, flat to 20/51.2 of the sample rate and at
-least 80 dB down from half the sample rate on.
+Acceleration and force jump at events; sampled as they are, what lies above half the sample rate
+folds back. The filter is a Kaiser-windowed sinc, flat to 20/51.2 of the sample rate and at least
+80 dB down from half the sample rate on.
+
+Even at four times the rate a jump folds: its spectrum falls with 1/f alone. The integrator knows
+every jump of a value and of a slope, and its instant; each is replaced by the same jump run through
+a short sinc, flat in the band and down at what folds into it (band-limited steps: Brandt, 2001).
 """
 
 from __future__ import annotations
 
 import functools
+import math
 
 import numpy as np
 
+from gear_dynamics.model.jumps import SLOPE, VALUE
 from gear_dynamics.model.kernel import kernel
 from gear_dynamics.model.lanes import weighted_sum
 from gear_dynamics.model.layout import (
@@ -19,6 +25,8 @@ from gear_dynamics.model.layout import (
     HIGH_RATE_COLUMNS,
     LOAD,
     OVERSAMPLING,
+    REACH,
+    SPEED,
     TAPS,
     T,
 )
@@ -26,6 +34,11 @@ from gear_dynamics.model.layout import (
 _PASS = 20.0 / 51.2
 _STOP = 0.5
 _STOP_DB = 84.0
+_STEP_STOP_DB = 97.0
+_STEPS_PER_SAMPLE = 512
+
+_SPAN = TAPS + 2 * REACH
+"""Rows that one sample takes: the filter's, and those ahead that jumps may still change."""
 
 
 @functools.cache
@@ -35,12 +48,33 @@ def taps() -> np.ndarray:
     Kaiser's design formulas (Kaiser, 1974; Oppenheim and Schafer, section 7.5).
     """
     half = TAPS // 2
-    cutoff = (_PASS + _STOP) / 2 * 2 / OVERSAMPLING
-    n = np.arange(-half, half + 1)
-    beta = 0.1102 * (_STOP_DB - 8.7)
-    window = np.kaiser(TAPS, beta)
-    response = cutoff * np.sinc(cutoff * n) * window
+    response = _windowed_sinc(half, TAPS, (_PASS + _STOP) / OVERSAMPLING, _STOP_DB)
     return response / response.sum()
+
+
+def _windowed_sinc(reach: int, count: int, cutoff: float, stop_db: float) -> np.ndarray:
+    """Return the Kaiser-windowed sinc at `count` places from -reach to reach."""
+    places = np.linspace(-reach, reach, count)
+    return cutoff * np.sinc(cutoff * places) * np.kaiser(count, 0.1102 * (stop_db - 8.7))
+
+
+@functools.cache
+def jump_residuals() -> np.ndarray:
+    """Return what a band-limited jump differs by from a sharp one, (2, n).
+
+    Row VALUE: 1 less the band-limited unit step, v samples at the high rate after the jump, for v
+    from 0 to REACH at _STEPS_PER_SAMPLE places a sample. Row SLOPE: its integral from v on, which
+    is what a unit kink differs by. Before the jump the first has the other sign.
+    """
+    fine = 16 * _STEPS_PER_SAMPLE * REACH
+    stop = OVERSAMPLING - _STOP
+    response = _windowed_sinc(REACH, 2 * fine + 1, (_PASS + stop) / OVERSAMPLING, _STEP_STOP_DB)
+    after = response[fine:]
+    parts = (after[1:] + after[:-1]) / 2
+    step = 0.5 - np.concatenate([[0.0], np.cumsum(parts)]) * 0.5 / parts.sum()
+    parts = (step[1:] + step[:-1]) / 2 * REACH / fine
+    kink = np.concatenate([np.cumsum(parts[::-1])[::-1], [0.0]])
+    return np.ascontiguousarray(np.stack([step, kink])[:, ::16])
 
 
 @kernel
@@ -56,6 +90,28 @@ def _decimate(weights, high, made, out):
             out[i, j] = high[first + centre, j]
 
 
+@kernel
+def _smooth(residuals, jumps, rate, high, first):
+    """Band-limit jumps in the rows of `high`, of which row 0 is sample `first`."""
+    for i in range(jumps.shape[0]):
+        instant = jumps[i, VALUE, T]
+        begin = math.floor(instant) + 1 - REACH
+        for sample in range(begin, begin + 2 * REACH):
+            row = sample - first
+            if row < 0:
+                continue
+            place = abs(sample - instant) * _STEPS_PER_SAMPLE
+            k = min(int(place), REACH * _STEPS_PER_SAMPLE - 1)
+            part = place - k
+            step = (1 - part) * residuals[VALUE, k] + part * residuals[VALUE, k + 1]
+            kink = (1 - part) * residuals[SLOPE, k] + part * residuals[SLOPE, k + 1]
+            if sample >= instant:
+                step = -step
+            kink /= rate
+            for j in range(T + 1, SPEED + 1):
+                high[row, j] += jumps[i, VALUE, j] * step + jumps[i, SLOPE, j] * kink
+
+
 class BandLimiter:
     """Turns samples at OVERSAMPLING times the rate into band-limited samples at the rate.
 
@@ -67,23 +123,33 @@ class BandLimiter:
     ----------
     capacity : int
         Most samples that `room` is asked for at once.
+    sample_rate : float
+        At which samples are handed out [Hz].
     """
 
-    def __init__(self, capacity: int) -> None:
+    def __init__(self, capacity: int, sample_rate: float) -> None:
         self.capacity = capacity
-        self._rows = np.zeros((TAPS + OVERSAMPLING * capacity, HIGH_RATE_COLUMNS))
+        self._rate = OVERSAMPLING * sample_rate
+        self._rows = np.zeros((_SPAN + OVERSAMPLING * capacity, HIGH_RATE_COLUMNS))
         self._made = np.zeros(HIGH_RATE_COLUMNS)
         self._held = 0
+        self._first = 0
+        self._jumps = np.zeros((0, 2, HIGH_RATE_COLUMNS))
 
     def start(self, first: np.ndarray) -> None:
         """Forget the past; before the run's first sample everything stood as in it."""
         self._held = TAPS // 2 + 1
         self._rows[: self._held] = first
+        self._first = -(TAPS // 2)
+        self._jumps = self._jumps[:0]
+
+    def smooth(self, jumps: np.ndarray) -> None:
+        """Take the jumps, (m, 2, HIGH_RATE_COLUMNS), that the next rows contain."""
+        self._jumps = np.concatenate([self._jumps, jumps])
 
     def room(self, count: int) -> np.ndarray:
         """Return the rows, at the high rate, that are to be filled for the next `count` samples."""
-        needed = TAPS + OVERSAMPLING * (count - 1)
-        return self._rows[self._held : needed]
+        return self._rows[self._held : _SPAN + OVERSAMPLING * (count - 1)]
 
     def take(self, out: np.ndarray) -> None:
         """Fill `out`, (count, 13), once the rows of `room(count)` are filled.
@@ -91,7 +157,14 @@ class BandLimiter:
         The result does not depend on how the stream is cut into calls, to the last bit.
         """
         count = len(out)
+        filled = _SPAN + OVERSAMPLING * (count - 1)
+        # A jump is applied once all the rows that it changes are there; the filter has used none.
+        last = self._first + filled - 1
+        due = int(np.searchsorted(self._jumps[:, VALUE, T], last - REACH))
+        _smooth(jump_residuals(), self._jumps[:due], self._rate, self._rows, self._first)
+        self._jumps = self._jumps[due:]
         _decimate(taps(), self._rows, self._made, out)
         used = OVERSAMPLING * count
-        self._held = TAPS - OVERSAMPLING
+        self._first += used
+        self._held = _SPAN - OVERSAMPLING
         self._rows[: self._held] = self._rows[used : used + self._held]

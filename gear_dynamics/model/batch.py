@@ -13,6 +13,7 @@ from gear_dynamics.model import mesh, stepper
 from gear_dynamics.model.columns import EVENTS, SAMPLE_COLUMNS, SAMPLES
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.kernel import borrowed
+from gear_dynamics.model.layout import HIGH_RATE_COLUMNS
 from gear_dynamics.model.motion import Motion, at_rest
 from gear_dynamics.model.parameter import ParameterError
 from gear_dynamics.model.run_settings import RunSettings
@@ -63,6 +64,7 @@ def _fill_all(
     zones,
     profiles,
     zone_counts,
+    no_jumps,
     out,
     status,
 ):
@@ -81,6 +83,7 @@ def _fill_all(
                 borrowed(work)[i],
                 borrowed(point)[i],
                 borrowed(events)[i],
+                borrowed(no_jumps),
                 1,
                 borrowed(out)[i, filled:],
             )
@@ -177,6 +180,7 @@ def simulate_batch(
     samples = np.zeros((n, round(duration * sample_rate)), SAMPLES)
     rows = samples.view(np.float64).reshape(n, -1, len(SAMPLE_COLUMNS))
     status = np.zeros(n, np.int64)
-    _fill_all(*batch.motion, batch.zone_counts, rows, status)
+    no_jumps = np.zeros((0, 2, HIGH_RATE_COLUMNS))
+    _fill_all(*batch.motion, batch.zone_counts, no_jumps, rows, status)
     refuse_failure(status, speeds)
     return samples

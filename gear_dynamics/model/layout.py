@@ -44,3 +44,9 @@ OVERSAMPLING = 4
 
 TAPS = 2 * DELAY * OVERSAMPLING + 1
 """Length of the band-limiting filter."""
+
+REACH = 4
+"""Samples at the high rate, to each side, that a band-limited jump changes."""
+
+AHEAD = DELAY + 2 * REACH // OVERSAMPLING
+"""Samples by which a band-limited stream is integrated ahead of what it hands out."""

@@ -29,7 +29,10 @@ CLOCK = np.dtype(
             'speed_target torque_target speed_limit torque_limit speed_reached torque_reached '
             # where speed and acceleration last changed: phase follows from here
             'anchor anchor_phase anchor_speed '
-            'sample_rate section_phase smallest_step'
+            'sample_rate section_phase smallest_step '
+            # forces before the last event, for `model.jumps`, and how fast the arms grow
+            'before_force before_friction before_torque1 travel '
+            'before_force_k before_force_c before_friction_k before_friction_c'
         ).split()
     ]
     + [
@@ -41,7 +44,7 @@ CLOCK = np.dtype(
             'unsettled '
             'anchor_cycle section_cycle '
             # why the present step ends, and the contact states after it
-            'ending next_a next_b degree '
+            'ending next_a next_b degree jumps jumped '
             'events steps rejected_steps contact_losses back_flank_impacts tiny_steps'
         ).split()
     ]

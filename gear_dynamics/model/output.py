@@ -42,7 +42,7 @@ def time_of_sample(clock, sample):
 
 
 @kernel
-def _operate(segment, row, degree, t, delta, delta_dot):
+def operate(segment, row, degree, t, delta, delta_dot):
     """Return  stiffness(t) delta + damping(t) delta' + offset(t)  of the segment's rows."""
     if degree == 0:
         return segment[row, 0] * delta + segment[row + 1, 0] * delta_dot + segment[row + 2, 0]
@@ -89,10 +89,10 @@ def write_samples(p, clock, series, segment, point, angles_every, out, first, co
         tau = t0 if i == 0 else t1 if i == 1 else t2 if i == 2 else t3
         value, slope, row = 2 * i, 2 * i + 1, first + i
         delta, delta_dot = point[value, DELTA], point[slope, DELTA]
-        force = _operate(segment, SEG_FORCE, degree, tau, delta, delta_dot)
+        force = operate(segment, SEG_FORCE, degree, tau, delta, delta_dot)
         friction = 0.0
         if rubs:
-            friction = _operate(segment, SEG_FRICTION, degree, tau, delta, delta_dot)
+            friction = operate(segment, SEG_FRICTION, degree, tau, delta, delta_dot)
         a_x1 = friction * inv_m1 - c1 * point[slope, X1] - k1 * point[value, X1]
         a_y1 = force * inv_m1 - c1 * point[slope, Y1] - k1 * point[value, Y1]
         a_x2 = -friction * inv_m2 - c2 * point[slope, X2] - k2 * point[value, X2]

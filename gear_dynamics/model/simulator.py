@@ -39,6 +39,7 @@ def _fill(
     events,
     zones,
     profiles,
+    jumps,
     angles_every,
     out,
 ):
@@ -54,6 +55,7 @@ def _fill(
         borrowed(work)[0],
         borrowed(point)[0],
         borrowed(events)[0],
+        borrowed(jumps),
         angles_every,
         borrowed(out),
     )
@@ -61,7 +63,7 @@ def _fill(
 
 @kernel
 def _reach_sample(
-    constants, clock, state, series, error, segment, work, point, events, zones, profiles
+    constants, clock, state, series, error, segment, work, point, events, zones, profiles, jumps
 ):
     status = stepper.run(
         constants[0],
@@ -75,6 +77,7 @@ def _reach_sample(
         work[0],
         point[0],
         events[0],
+        jumps,
         clock[0].sample,
     )
     if status == stepper.DONE:
@@ -113,8 +116,9 @@ class Simulator:
         self.pair = pair
         self.settings = RunSettings(**values)
         self._drive, self._profiles = drive, profiles
-        self._limiter = BandLimiter(_CHUNK) if self.settings.anti_alias else None
+        self._limiter = BandLimiter(_CHUNK, self.sample_rate) if self.settings.anti_alias else None
         self._oversampling = OVERSAMPLING if self._limiter else 1
+        self._jumps = np.zeros((_CHUNK if self._limiter else 0, 2, HIGH_RATE_COLUMNS))
         self.reset()
 
     @property
@@ -158,9 +162,10 @@ class Simulator:
         """Fill rows with the integrator's next samples."""
         filled = 0
         while filled < len(rows):
-            count, status = _fill(*self._motion, self._oversampling, rows[filled:])
+            count, status = _fill(*self._motion, self._jumps, self._oversampling, rows[filled:])
             filled += count
             self._check(status)
+        self._hold_events()
 
     def _check(self, status: int) -> None:
         clock = self._motion.clock[0]
@@ -183,6 +188,9 @@ class Simulator:
         if clock['events']:
             self._held_events.append(self._motion.events[0, : clock['events']].copy())
             clock['events'] = 0
+        if self._limiter and clock['jumps']:
+            self._limiter.smooth(self._jumps[: clock['jumps']])
+            clock['jumps'] = 0
 
     def take_events(self) -> np.ndarray:
         """Return the events within the time of the samples handed out since the last call.
@@ -206,7 +214,7 @@ class Simulator:
     def command(self, *, speed: float | None = None, load_torque: float | None = None) -> None:
         """Set new targets, which are approached at the rate limits from the next sample on.
 
-        The band-limited stream is integrated `band_limit.DELAY` samples ahead of what it hands
+        The band-limited stream is integrated `layout.AHEAD` samples ahead of what it hands
         out; a command takes effect there.
 
         Raises
@@ -280,7 +288,7 @@ class Simulator:
         """Step up to the instant of the next sample."""
         status = stepper.EVENTS_FULL
         while status == stepper.EVENTS_FULL:
-            status = _reach_sample(*self._motion)
+            status = _reach_sample(*self._motion, self._jumps)
             self._check(status)
 
     def _interrupt(self) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from gear_dynamics.model.contact import GAP, contact_state, first_change
+from gear_dynamics.model.jumps import note_before, note_jump
 from gear_dynamics.model.kernel import kernel
 from gear_dynamics.model.layout import DELTA, ROWS, SEG_ERROR, WIDTH
 from gear_dynamics.model.output import time_of_sample, write_samples
@@ -244,6 +245,7 @@ def begin_step(p, clock, zones, profiles, y, series, error, segment, work, enter
         clock.contact_a = contact_state(delta, slope, p.b)
         clock.degree = fill_segment(p, clock, zone, profiles, segment)
     turn = p.pitch * p.z1 / (2 * math.pi)
+    clock.travel = turn * clock.speed
     ratio_inertia = p.ratio * p.inertia2
     expand(
         p,
@@ -251,7 +253,7 @@ def begin_step(p, clock, zones, profiles, y, series, error, segment, work, enter
         error,
         segment,
         clock.degree,
-        turn * clock.speed,
+        clock.travel,
         0.5 * turn * clock.accel,
         clock.torque + ratio_inertia * clock.accel,
         clock.torque_rate,
@@ -268,10 +270,13 @@ def begin_step(p, clock, zones, profiles, y, series, error, segment, work, enter
 
 
 @kernel
-def run(p, clock, zones, profiles, y, series, error, segment, work, point, events, sample):
+def run(p, clock, zones, profiles, y, series, error, segment, work, point, events, jumps, sample):
     """Step until the present step spans the instant of a sample.
 
-    Returns DONE, EVENTS_FULL (empty the events and call again), STUCK or NOT_FINITE.
+    jumps : (m, 2, HIGH_RATE_COLUMNS) array
+        Filled with the jumps at events; none are looked for if m is 0.
+
+    Returns DONE, EVENTS_FULL (empty events and jumps and call again), STUCK or NOT_FINITE.
     """
     entered = clock.unsettled != 0
     clock.unsettled = 0
@@ -282,10 +287,16 @@ def run(p, clock, zones, profiles, y, series, error, segment, work, point, event
                 return STUCK
             if not math.isfinite(series[2, DELTA] + clock.length):
                 return NOT_FINITE
+            if clock.jumped:
+                note_jump(p, clock, series, segment, jumps)
         if time_of_sample(clock, sample) < clock.begin + clock.length:
             return DONE
         if clock.events > events.size - _EVENTS_PER_STEP:
             return EVENTS_FULL
+        if jumps.shape[0] > 0 and (clock.ending == MESH or clock.ending == CONTACT):
+            if clock.jumps == jumps.shape[0]:
+                return EVENTS_FULL
+            note_before(p, clock, series, segment)
         entered = end_step(p, clock, zones, profiles, y, series, segment, point, events)
         clock.length = -1.0
 
@@ -319,7 +330,20 @@ def interrupt(p, clock, y, series, point):
 
 @kernel
 def fill_samples(
-    p, clock, zones, profiles, y, series, error, segment, work, point, events, angles_every, out
+    p,
+    clock,
+    zones,
+    profiles,
+    y,
+    series,
+    error,
+    segment,
+    work,
+    point,
+    events,
+    jumps,
+    angles_every,
+    out,
 ):
     """Fill the rows of `out` with the next samples; return their number and a status.
 
@@ -332,9 +356,20 @@ def fill_samples(
     i = 0
     while i < count:
         if clock.length < 0 or time_of_sample(clock, clock.sample) >= clock.begin + clock.length:
-            sample = clock.sample
             status = run(
-                p, clock, zones, profiles, y, series, error, segment, work, point, events, sample
+                p,
+                clock,
+                zones,
+                profiles,
+                y,
+                series,
+                error,
+                segment,
+                work,
+                point,
+                events,
+                jumps,
+                clock.sample,
             )
             if status != DONE:
                 return i, status
