@@ -117,6 +117,8 @@ def decode_table(data: bytes | memoryview) -> Table:
     except MessageError as error:
         raise TableError(str(error)) from None
     stamp, frame_id = cloud.header.stamp, cloud.header.frame_id
+    if stamp.sec < 0:
+        raise TableError(f'header.stamp.sec is {stamp.sec}: a stamp must not be before 1970')
     if stamp.nanosec >= 1_000_000_000:
         raise TableError(f'header.stamp.nanosec is {stamp.nanosec}: it must be below 1e9')
     if cloud.is_bigendian:
