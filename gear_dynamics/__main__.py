@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import difflib
 import importlib
+import re
 import sys
 
 EXECUTABLES = {
@@ -19,6 +20,9 @@ EXECUTABLES = {
     'study': ('gear_dynamics.study.command', 'run experiments off line, with data and figures'),
 }
 """Name of each executable, the module with its `main(argv) -> int`, and what it does."""
+
+ROS_MODULE = re.compile(r'rclpy|std_srvs|\w+_msgs|\w+_interfaces')
+"""The modules of ROS 2 that the nodes import."""
 
 MISSING_ROS = (
     'gear-dynamics {name} needs ROS 2 (rclpy): install it with pip install "gear_dynamics[ros]", '
@@ -37,7 +41,7 @@ def main(argv: list[str] | None = None) -> int:
     try:
         executable = importlib.import_module(module)
     except ModuleNotFoundError as error:
-        if error.name != 'rclpy':
+        if not ROS_MODULE.fullmatch(str(error.name).partition('.')[0]):
             raise
         print(MISSING_ROS.format(name=name), file=sys.stderr)
         return 2

@@ -138,8 +138,9 @@ WITHOUT_ROS = """
 import sys
 class Missing:
     def find_spec(self, name, path=None, target=None):
-        if name.split('.')[0] == 'rclpy':
-            raise ModuleNotFoundError("No module named 'rclpy'", name='rclpy')
+        package = name.split('.')[0]
+        if package in ('rclpy', 'rcl_interfaces', 'std_srvs') or package.endswith('_msgs'):
+            raise ModuleNotFoundError(f'No module named {package!r}', name=package)
 sys.meta_path.insert(0, Missing())
 """
 
