@@ -10,7 +10,7 @@ from gear_dynamics.nodes.pacing import SECOND, Schedule
 from gear_dynamics.settings import SimSettings
 
 SLOW = 0.98
-"""Share of the wanted real-time factor below which the sim warns that it cannot keep up."""
+"""Share of the wanted pace below which the sim warns that it cannot keep up."""
 
 
 class SimHealth:
@@ -31,15 +31,23 @@ class SimHealth:
         self._rate = settings.sample_rate
         self._simulator = simulator
         self._schedule = schedule
-        self._before = (time.monotonic_ns(), 0)
+        self.restart()
 
     def tasks(self) -> dict[str, Task]:
         """Return the reports by name."""
         return {'pace': self._pace, 'commands': self._commands, 'integrator': self._integrator}
 
+    def restart(self) -> None:
+        """Count the pace from now on: after a reset and after a pause."""
+        self._then, self._samples, self._lag = self._count()
+
     def _pace(self) -> Report:
-        factor = self._real_time_factor()
-        lag = 0.0 if self.paused else self._schedule.lag(time.monotonic_ns())
+        now, samples, lag = self._count()
+        elapsed = max(now - self._then, 1) / SECOND
+        factor = (samples - self._samples) / self._rate / elapsed
+        # Whole blocks are counted, so that large ones make the factor waver; the lag does not.
+        slow = lag - self._lag > (1 - SLOW) * elapsed
+        self._then, self._samples, self._lag = now, samples, lag
         values = {
             'real_time_factor': factor,
             'lag [s]': lag,
@@ -49,7 +57,7 @@ class SimHealth:
         }
         if self.paused:
             return Report(Level.OK, 'paused', values)
-        if factor < SLOW * self._wanted:
+        if slow:
             message = (
                 f'cannot keep up: real-time factor {factor:.3g} of {self._wanted:g}, '
                 f'simulated time is {lag:.3g} s behind'
@@ -63,11 +71,8 @@ class SimHealth:
     def _integrator(self) -> Report:
         return Report(Level.OK, '', self._simulator.counters)
 
-    def _real_time_factor(self) -> float:
-        """Return model time by wall-clock time since the last call."""
-        now, samples = time.monotonic_ns(), self._simulator.samples_done
-        then, before = self._before
-        self._before = (now, samples)
-        if samples < before or now == then:  # after a reset
-            return self._wanted
-        return (samples - before) / self._rate * SECOND / (now - then)
+    def _count(self) -> tuple[int, int, float]:
+        """Return the time [ns], the samples done and the lag [s]."""
+        now = time.monotonic_ns()
+        lag = 0.0 if self.paused else self._schedule.lag(now)
+        return now, self._simulator.samples_done, lag
