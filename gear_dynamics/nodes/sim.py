@@ -9,6 +9,7 @@ import time
 from collections.abc import Iterator, Sequence
 
 from rclpy.clock import Clock, ClockType
+from rclpy.impl.rcutils_logger import RcutilsLogger
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import Float64, String
@@ -92,16 +93,18 @@ class Sim:
         node = self._node
         commands = {'gear_pair/cmd/speed': 'speed', 'gear_pair/cmd/torque': 'load_torque'}
         for topic, name in commands.items():
-            node.create_subscription(Float64, topic, functools.partial(self._command, name), 10)
+            # A logger throttles by the line that calls it: each topic needs its own.
+            command = functools.partial(self._command, name, node.get_logger().get_child(name))
+            node.create_subscription(Float64, topic, command, 10)
         node.create_service(Trigger, '~/reset', self._reset)
         node.create_service(SetBool, '~/pause', self._pause)
 
-    def _command(self, name: str, message: Float64) -> None:
+    def _command(self, name: str, logger: RcutilsLogger, message: Float64) -> None:
         try:
             self._parameters.set(name, message.data)
         except ParameterError as error:
             self._health.rejected_commands += 1
-            self._node.get_logger().warning(f'rejected: {error}', throttle_duration_sec=5.0)
+            logger.warning(f'rejected: {error}', throttle_duration_sec=5.0)
 
     def _changed(self, names: frozenset[str]) -> None:
         settings = self._parameters.get(SimSettings)
@@ -142,6 +145,7 @@ class Sim:
         self._stamps.set(self._simulator.samples_done, time.time_ns())
         self._schedule.start(time.monotonic_ns())
         self._timer.reset()
+        self._health.restart()
         self._monitor.reset()
 
     def _tick(self) -> None:
