@@ -17,6 +17,7 @@ from gear_dynamics.analysis.results import ConditionResult, Result, TableResult
 from gear_dynamics.analysis.thresholds import ThresholdError, Thresholds
 from gear_dynamics.bag.messages import MessageError, deserialize
 from gear_dynamics.bag.tables import Table, TableError, decode_table, encode_table
+from gear_dynamics.config_files import config_file
 from gear_dynamics.configuration import Rig
 from gear_dynamics.model.parameter import ParameterError
 from gear_dynamics.nodes.analyzer_health import AnalyzerHealth
@@ -32,7 +33,6 @@ from gear_dynamics.nodes.analyzer_log import (
 from gear_dynamics.nodes.compiling import compiling
 from gear_dynamics.nodes.condition import condition_bytes
 from gear_dynamics.nodes.diagnostics import Diagnostics
-from gear_dynamics.nodes.middleware import config_file
 from gear_dynamics.nodes.parameters import NodeParameters
 from gear_dynamics.nodes.run import run_node
 from gear_dynamics.settings import AnalyzerSettings

@@ -18,7 +18,6 @@ FRAME = 'line_of_action'
 DEPTH = 100
 """Blocks that are kept for a reliable listener that is behind."""
 
-
 LAST = 0.5
 """Time that listeners have to receive the last block [s]."""
 
