@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import importlib
 import sys
+import time
 from collections.abc import Iterator, Sequence
 
 import yaml
@@ -26,7 +27,7 @@ from gear_dynamics.nodes.diagnostics import Diagnostics, Level, Report
 from gear_dynamics.nodes.parameters import NodeParameters
 from gear_dynamics.nodes.player import Player
 from gear_dynamics.nodes.publishing import clock_bytes, try_publish
-from gear_dynamics.nodes.run import NodeDone, NodeError, run_node
+from gear_dynamics.nodes.run import NodeError, run_node
 from gear_dynamics.settings import ReplaySettings
 
 ABOUT = (
@@ -79,11 +80,18 @@ class Replay:
         )
         self._player = Player(self._messages(), self._publish, settings.rate, settings.paused)
 
+    def done(self) -> bool:
+        """Tell whether all is played; raises `NodeError` if it cannot be."""
+        if self._player.error is not None:
+            raise NodeError(str(self._player.error)) from self._player.error
+        return self._player.finished
+
     def close(self) -> None:
         """Stop, and let listeners have what was published last."""
         self._player.stop()
+        end = time.monotonic() + ACKNOWLEDGED
         for publisher in self._publishers.values():
-            publisher.wait_for_all_acked(Duration(seconds=ACKNOWLEDGED))
+            publisher.wait_for_all_acked(Duration(seconds=max(end - time.monotonic(), 0.0)))
         self._diagnostics.close()
         self._progress.close()
         self._node.get_logger().info(f'played {self._played} messages, skipped {self._skipped}')
@@ -157,10 +165,6 @@ class Replay:
     def _watch(self) -> None:
         self._progress.n = round((self._position - self._begin) / SECOND, 1)
         self._progress.refresh()
-        if self._player.error is not None:
-            raise NodeError(str(self._player.error)) from self._player.error
-        if self._player.finished:
-            raise NodeDone
 
     def _pause(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         self._player.pause(request.data)

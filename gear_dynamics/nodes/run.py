@@ -9,7 +9,7 @@ import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import rclpy
 from rclpy.exceptions import ParameterException
@@ -31,15 +31,22 @@ class NodeError(Exception):
     """A node cannot go on; the message is the one line that the user sees."""
 
 
-class NodeDone(Exception):
-    """Raised by a callback when the node has nothing left to do: it ends in good order."""
-
-
 class Part(Protocol):
     """What runs inside a node: made of the node and its parameters, closed at the end."""
 
     def close(self) -> None:
         """Finish within 5 s: publish what is last, close files."""
+
+
+@runtime_checkable
+class FinitePart(Part, Protocol):
+    """A part that comes to an end by itself.
+
+    It is asked, since the events executor logs whatever a callback raises as a fatal error.
+    """
+
+    def done(self) -> bool:
+        """Tell whether nothing is left to do; may raise `NodeError`."""
 
 
 def run_node(
@@ -49,7 +56,7 @@ def run_node(
     make: Callable[[Node, NodeParameters], Part],
     argv: Sequence[str] | None = None,
 ) -> int:
-    """Run a node until SIGINT, SIGTERM, `NodeDone` or `NodeError`.
+    """Run a node until SIGINT, SIGTERM, `NodeError` or the end of a `FinitePart`.
 
     Parameters
     ----------
@@ -182,7 +189,7 @@ def _run(
     except _Interrupted:
         return 0
     try:
-        _spin(node, stop)
+        _spin(node, part, stop)
     except NodeError as error:
         return _fail(name, error, 1)
     finally:
@@ -191,15 +198,13 @@ def _run(
     return 0
 
 
-def _spin(node: Node, stop: StopFlag) -> None:
+def _spin(node: Node, part: Part, stop: StopFlag) -> None:
     # The events executor runs callbacks only from spin_once with a time-out.
     executor = make_executor()
     executor.add_node(node)
     try:
-        while not stop and rclpy.ok():
+        while not (stop or (isinstance(part, FinitePart) and part.done())) and rclpy.ok():
             executor.spin_once(timeout_sec=0.1)
-    except NodeDone:
-        return
     finally:
         executor.shutdown()
 
