@@ -7,6 +7,7 @@ import importlib
 import sys
 import time
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 import yaml
 from rclpy.clock import Clock, ClockType
@@ -47,7 +48,7 @@ class Replay:
     def __init__(self, node: Node, parameters: NodeParameters) -> None:
         self._node = node
         self._settings = settings = parameters.get(ReplaySettings)
-        self._paths = settings.log.split(':')
+        self._paths = _paths(settings.log)
         self._played = self._skipped = 0
         try:
             with Log(self._paths, self._on_damage) as log:
@@ -55,6 +56,9 @@ class Replay:
                 self._begin, self._end = _span(log)
         except LogError as error:
             raise ParameterError(f'log: {error}') from error
+        length = (self._end - self._begin) / SECOND
+        if settings.start > length:
+            raise ParameterError(f'start is {settings.start:g}: the log lasts {length:.6g} s')
         self._begin += round(settings.start * SECOND)
         if settings.duration:
             self._end = self._begin + round(settings.duration * SECOND)
@@ -190,6 +194,11 @@ class Replay:
 
 
 _LATCHED = DurabilityPolicy.TRANSIENT_LOCAL
+
+
+def _paths(text: str) -> list[str]:
+    """Return the logs that are named: one, though its name has a colon, or several."""
+    return [text] if Path(text).exists() else text.split(':')
 
 
 def _channels(log: Log, topics: Sequence[str]) -> dict[str, LogChannel]:

@@ -1,6 +1,10 @@
 """A log plays back as it was recorded: bytes, spacing, and nothing lost."""
 
+import contextlib
+import shutil
+import signal
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -148,6 +152,41 @@ def test_steps_clock_start_duration_and_loop(domain, client, log):
     assert set(stamps) <= {BEGIN + number * 10_000_000 for number in range(50, 71)}
 
 
+def test_a_path_with_a_colon_is_one_log_and_others_are_several(domain, log, tmp_path):
+    (file,) = Path(log).glob('*.mcap')
+    copy = shutil.copy(file, tmp_path / 'run 12:30.mcap')
+    for path, messages in ((str(copy), BLOCKS), (f'{log}:{file}', 2 * BLOCKS)):
+        with ros_support.Process(REPLAY, domain, {'log': path, 'rate': 0}) as replay:
+            assert replay.wait(60) == 0
+            assert f'played {messages} messages' in replay.output
+
+
+def test_listeners_that_hang_do_not_hold_up_the_end(domain, client, tmp_path):
+    """Each of many topics has one; all of them have one deadline."""
+    writer = LogWriter(tmp_path, {}, free_floor=1.0)
+    for number in range(5):
+        writer.write(f'/rig{number}/gear_pair/samples', TABLE, block(number), BEGIN, BEGIN)
+    parameters = {'log': writer.close().path, 'paused': True}
+    listener = str(Path(__file__).with_name('listener.py'))
+    with contextlib.ExitStack() as stack:
+        listeners = [
+            stack.enter_context(
+                ros_support.Process(listener, domain, arguments=['-r', f'__ns:=/rig{number}'])
+            )
+            for number in range(5)
+        ]
+        replay = stack.enter_context(ros_support.Process(REPLAY, domain, parameters))
+        for number in range(5):
+            topic = f'/rig{number}/gear_pair/samples'
+            ros_support.wait_until(lambda t=topic: client.node.count_subscribers(t), 60, topic)
+            matched(client, topic)
+        for each in listeners:
+            each.send(signal.SIGSTOP)
+        resume(client)
+        # SIGKILL would follow 5 s after SIGINT, so that this is a promise and no timing.
+        assert replay.wait(9) == 0
+
+
 @pytest.mark.parametrize(
     ('parameters', 'words'),
     [
@@ -155,6 +194,7 @@ def test_steps_clock_start_duration_and_loop(domain, client, log):
         ({'log': '/no/such/log'}, ['/no/such/log']),
         ({'topics': '[gear_pair/sample]'}, ['gear_pair/sample', '/gear_pair/samples']),
         ({'rate': -1.0}, ['rate', '-1']),
+        ({'start': 1000.0}, ['start is 1000: the log lasts 1.99 s']),
     ],
 )
 def test_wrong_input_at_the_start_gives_a_line_and_exit_code_2(domain, log, parameters, words):
