@@ -12,11 +12,12 @@ import dataclasses
 import numpy as np
 
 from gear_dynamics.analysis.blocks import BlockError, checked_columns
+from gear_dynamics.analysis.event_section import EventBatch, EventBatches
 from gear_dynamics.analysis.gaps import Order, StampCheck
 from gear_dynamics.analysis.interpolation import HALF_WIDTH, interpolate
 from gear_dynamics.analysis.poincare import SECTION, poincare_points, section_from_events
-from gear_dynamics.analysis.record import BATCH, EXACT, Record
-from gear_dynamics.analysis.results import Result, Span, TableResult
+from gear_dynamics.analysis.record import EXACT, Record
+from gear_dynamics.analysis.results import Result, TableResult
 from gear_dynamics.analysis.thresholds import Thresholds
 from gear_dynamics.configuration import Rig
 from gear_dynamics.model.columns import CHANNELS, EVENTS, EventKind
@@ -24,6 +25,9 @@ from gear_dynamics.settings import AnalyzerSettings
 
 PATIENCE = 1.0
 """Seconds of samples without an event message after which the section is interpolated."""
+
+AHEAD = 500
+"""Batches of events that may wait for their samples; of more the oldest is forgotten."""
 
 
 @dataclasses.dataclass
@@ -80,8 +84,8 @@ class Monitor:
         self._record: Record | None = None
         self._check: StampCheck | None = None
         self._since_events = 0.0
-        self._events: list[np.ndarray] = []
-        self._events_ns = 0
+        self._events: EventBatches | None = None
+        self._ahead: collections.deque[EventBatch] = collections.deque(maxlen=AHEAD)
         self.health = Health()
 
     def configure(self, rig: Rig) -> None:
@@ -90,11 +94,13 @@ class Monitor:
         self.health.configured = True
         if old is None or old.sample_rate != rig.sample_rate:
             self._check = StampCheck(rig.sample_rate)
-        if old is None or self._record is None:
+        if old is not None and _basis(old) == _basis(rig):
+            if self._record is not None:
+                self._record.use(rig)
             return
-        if _basis(old) == _basis(rig):
-            self._record.use(rig)
-        else:
+        self._events = EventBatches(rig)
+        self._ahead.clear()
+        if self._record is not None:
             self._record = None
             self.health.restarts['change of the rig'] += 1
 
@@ -129,11 +135,12 @@ class Monitor:
         assert self._record is not None
         self.health.blocks += 1
         self._since_events += len(values) / self._rig.sample_rate
-        return results + self._record.add_block(values, self._since_events > PATIENCE)
+        results += self._record.add_block(values, self._since_events > PATIENCE)
+        return results + self._section_of_record()
 
     def add_events(self, stamp_ns: int, rows: np.ndarray) -> list[Result]:
         """Take the events of a block; return the results that they complete."""
-        if self._rig is None:
+        if self._rig is None or self._events is None:
             return []
         missing = [name for name in EVENTS.names or () if name not in (rows.dtype.names or ())]
         if missing:
@@ -142,32 +149,37 @@ class Monitor:
         if not all(np.isfinite(rows[name]).all() for name in SECTION.names or ()):
             self.health.drop('events', 'the events have a value that is not finite')
             return []
-        self._since_events = 0.0
-        rows = rows[list(EVENTS.names or ())].astype(EVENTS)
-        if not self._events:
-            self._events_ns = stamp_ns
-        rows['t'] += (stamp_ns - self._events_ns) / 1e9
-        self._events.append(rows)
-        block = self._rig.block_size / self._rig.sample_rate
-        span = Span(self._events_ns, (stamp_ns - self._events_ns) / 1e9 + block)
-        if 0 <= span.duration < BATCH:
+        order, batches = self._events.push(stamp_ns, rows[list(EVENTS.names or ())])
+        if order is Order.BACK:
+            self.health.drop('events', f'stamp {stamp_ns} ns of events goes back')
             return []
-        events = np.concatenate(self._events)
-        self._events = []
-        return self._section_results(events, span, self._rig)
+        self._since_events = 0.0
+        if order is Order.GAP:
+            self.health.restarts['gap in the events'] += 1
+        if order is Order.RESTART:
+            self._ahead.clear()
+        self._ahead.extend(batches)
+        results = [each for batch in batches for each in self._points(batch, self._rig)]
+        return results + self._section_of_record()
 
-    def _section_results(self, events: np.ndarray, span: Span, rig: Rig) -> list[Result]:
-        section = section_from_events(events)
-        points = section
-        if self._settings.section == 'contact_loss':
-            points = section_from_events(events, EventKind.DRIVE_LOST)
+    def _points(self, batch: EventBatch, rig: Rig) -> list[Result]:
+        kind = EventKind.SECTION if self._settings.section == 'phase' else EventKind.DRIVE_LOST
+        points = section_from_events(batch.events, kind)
+        if not len(points):
+            return []
+        table = poincare_points(points, rig.half_backlash, rig.wn)
+        return [TableResult('poincare', batch.span, table)]
+
+    def _section_of_record(self) -> list[Result]:
+        """Judge the events whose samples the record holds; those of another are passed over."""
         results: list[Result] = []
-        if len(points):
-            table = poincare_points(points, rig.half_backlash, rig.wn)
-            results.append(TableResult('poincare', span, table))
-        if self._record is not None and len(section):
-            section['t'] += (span.start_ns - self._record.start_ns) / 1e9
-            results += self._record.add_section(section, EXACT)
+        record = self._record
+        while record is not None and self._ahead and self._ahead[0].end_ns <= record.end_ns:
+            batch = self._ahead.popleft()
+            section = section_from_events(batch.events)
+            if batch.span.start_ns >= record.start_ns and len(section):
+                section['t'] += (batch.span.start_ns - record.start_ns) / 1e9
+                results += record.add_section(section, EXACT)
         return results
 
     def _begin(self, order: Order, stamp_ns: int) -> None:
@@ -183,7 +195,7 @@ class Monitor:
 
 def _basis(rig: Rig) -> Rig:
     """Return the rig with what may change in the midst of a record made equal."""
-    return dataclasses.replace(rig, wn=1.0, half_backlash=1.0, block_size=1)
+    return dataclasses.replace(rig, wn=1.0, half_backlash=1.0)
 
 
 def warm_up() -> None:

@@ -26,6 +26,7 @@ from gear_dynamics.analysis.results import (
     condition_row,
 )
 from gear_dynamics.analysis.section_task import Motion, SectionTask
+from gear_dynamics.analysis.spread import Spread
 from gear_dynamics.analysis.thresholds import Level, Thresholds
 from gear_dynamics.analysis.time_tasks import (
     Envelope,
@@ -40,7 +41,7 @@ from gear_dynamics.model.columns import CHANNELS
 from gear_dynamics.settings import AnalyzerSettings
 
 BATCH = 0.02
-"""Seconds of samples, or of events, that are worked on at once."""
+"""Seconds of samples that are worked on at once."""
 
 EXACT = 'exact, from events'
 INTERPOLATED = 'interpolated between samples: delta to (w h)^4 / 384, delta_dot to (w h)^3 / 125'
@@ -80,9 +81,9 @@ class Record:
         self._statistics = StatisticsTask(length, rig.half_backlash)
         high = min(settings.envelope_high, self._rate / 2)
         self._envelope = EnvelopeTask(length, self._rate, settings.envelope_low, high)
-        self._section = SectionTask(settings.regime_cycles, settings.recurrence_tolerance)
         self._last: np.ndarray | None = None
-        self._spread = np.zeros(4)
+        self._source = ''
+        self._spread = Spread(self._rate)
         self.angle = AngleTask(settings, rig)
         self.rig = rig
 
@@ -121,7 +122,7 @@ class Record:
         channels = channels_of(values)
         phase = self._phase.push(column_of(values, 'pinion_angle'), column_of(values, 'gear_angle'))
         first, self._done = self._done, self._done + len(values)
-        self._note_spread(values)
+        self._spread.add(column_of(values, 'delta'), column_of(values, 'delta_dot'))
         results: list[Result] = []
         for start, count, amplitude in self._spectrum.push(channels):
             frequency = np.fft.rfftfreq(self._spectrum.length, 1 / self._rate)
@@ -139,12 +140,23 @@ class Record:
 
     def add_section(self, section: np.ndarray, source: str) -> list[Result]:
         """Take states of the section, t [s] from the start of the record; return what they tell."""
+        if source != self._source:
+            # States of different accuracy are not judged together.
+            self._source = source
+            self._section = SectionTask(
+                self._settings.regime_cycles, self._settings.recurrence_tolerance
+            )
         results: list[Result] = []
-        for motion in self._section.push(section, self._scale()):
+        for motion in self._section.push(section, self._spread.over):
             span = Span(self.start_ns + round(motion.start * 1e9), motion.end - motion.start)
             results.append(ConditionResult(span, (self._motion_row(motion, source),)))
-            self._spread[:] = 0
+        self._spread.forget(self._section.start)
         return results
+
+    @property
+    def end_ns(self) -> int:
+        """Stamp of the first sample that is not yet worked on [ns]."""
+        return self.start_ns + round(self._done * 1e9 / self._rate)
 
     def _span(self, first: float, count: float) -> Span:
         return Span(self.start_ns + round(first * 1e9 / self._rate), count / self._rate)
@@ -240,17 +252,6 @@ class Record:
                 values['lyapunov'] = found.lyapunov.exponent
                 values['lyapunov_uncertainty'] = found.lyapunov.uncertainty
         return condition_row('motion', values, self._thresholds, notes, motion.words)
-
-    def _note_spread(self, values: np.ndarray) -> None:
-        delta, delta_dot = column_of(values, 'delta'), column_of(values, 'delta_dot')
-        # The mean of delta is taken out; that of delta_dot is zero in any steady motion.
-        self._spread += (len(values), delta.sum(), delta @ delta, delta_dot @ delta_dot)
-
-    def _scale(self) -> tuple[float, float]:
-        count, total, square, rate_square = self._spread.tolist()
-        count = max(count, 1.0)
-        variance = max(square / count - (total / count) ** 2, 0.0)
-        return math.sqrt(variance), math.sqrt(rate_square / count)
 
     def _interpolated(self, values: np.ndarray, phase: np.ndarray, first: int) -> Iterator[Result]:
         """Take the section from this block and the last sample of the one before."""

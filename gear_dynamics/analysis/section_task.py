@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from gear_dynamics.analysis.poincare import SECTION
 from gear_dynamics.analysis.regime import Regime, regime
+
+Scale = Callable[[float, float], tuple[float, float]]
 
 STEADY = 0.005
 """Share by which the mesh frequency may change over a record that is judged."""
@@ -55,7 +59,12 @@ class SectionTask:
         self._filled = 0
         self.restarts = 0
 
-    def push(self, section: np.ndarray, scale: tuple[float, float]) -> list[Motion]:
+    @property
+    def start(self) -> float:
+        """Time of the first state of the record that is being collected [s]."""
+        return float(self._states['t'][0]) if self._filled else -math.inf
+
+    def push(self, section: np.ndarray, scale: Scale) -> list[Motion]:
         """Take states, dtype SECTION; return the records completed.
 
         A state that is not one cycle after the one before begins a new record.
@@ -63,8 +72,9 @@ class SectionTask:
         Parameters
         ----------
         section : ndarray
-        scale : tuple of float
-            Standard deviations of delta [m] and delta_dot [m/s] of the samples.
+        scale : function
+            Returns the standard deviations of delta [m] and delta_dot [m/s] of the samples from
+            one time to another [s].
         """
         motions = []
         for run in np.split(
@@ -86,7 +96,7 @@ class SectionTask:
     def _follows(self, cycle: float) -> bool:
         return abs(cycle - self._states['cycle'][self._filled - 1] - 1) <= 0.5
 
-    def _judge(self, scale: tuple[float, float]) -> Motion:
+    def _judge(self, scale: Scale) -> Motion:
         t = self._states['t']
         start, end = float(t[0]), float(t[-1])
         cycle_rate = (len(t) - 1) / (end - start)
@@ -94,7 +104,7 @@ class SectionTask:
         early, late = t[quarter] - t[0], t[-1] - t[-1 - quarter]
         if abs(early - late) > STEADY * early:
             return Motion(start, end, CHANGING, cycle_rate, None)
-        delta, delta_dot = (max(each, np.finfo(float).tiny) for each in scale)
+        delta, delta_dot = (max(each, np.finfo(float).tiny) for each in scale(start, end))
         states = np.column_stack(
             [self._states['delta'] / delta, self._states['delta_dot'] / delta_dot]
         )

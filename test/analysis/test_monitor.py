@@ -244,6 +244,57 @@ def test_exact_section_from_events_gives_points_and_regime(steady):
     assert 'exact' in motion.notes['section']
 
 
+def section_of_block(k, first_cycle=0):
+    cycles = np.arange(5 * k, 5 * k + 5) + 0.5 + first_cycle
+    delta = 2e-4 + 1e-5 * np.cos(cycles)
+    return events(cycles, delta, 0 * cycles, np.arange(5) * 0.002)
+
+
+def test_no_batch_of_events_reaches_across_a_gap_or_a_reset(steady):
+    made = monitor(regime_cycles=64)
+    stream = list(blocks(steady[0]))
+    results = []
+    for k in (*range(31), *range(40, 91)):
+        stamp, block = stream[k]
+        results += made.add_block(stamp, block)
+        results += made.add_events(stamp, section_of_block(k - 40 if k >= 40 else k))
+    results += made.add_events(stream[3][0], section_of_block(3))
+    assert made.health.dropped == {'events': 1}
+    assert 'goes back' in made.health.last_fault
+    found = tables(results, 'poincare')
+    assert sum(len(table.rows) for table in found) == 5 * (31 + 50)  # one block is half a batch
+    motions = [span for span, _ in rows(results, 'motion', 'mesh_frequency')]
+    for table in found:
+        np.testing.assert_array_equal(np.diff(table.rows['cycle']), 1)
+    assert len(motions) == 2 + 3
+    for span in [*motions, *(table.span for table in found)]:
+        end = span.start_ns + span.duration * 1e9
+        assert end <= stream[31][0] + 1e3 or span.start_ns >= stream[40][0]
+
+
+def test_regime_is_the_same_whether_events_come_before_or_after_their_samples(steady):
+    stream = list(blocks(steady[0]))[:70]
+    # The scale of the states changes on the way.
+    for k, (_, block) in enumerate(stream):
+        block['delta'] *= 1 + k
+
+    def motions(lead):
+        made = monitor(regime_cycles=64)
+        results = []
+        for k in range(-8, 78):
+            if 0 <= k < 70:
+                results += made.add_block(*stream[k])
+            if 0 <= k + lead < 70:
+                results += made.add_events(stream[k + lead][0], section_of_block(k + lead))
+        return [(span, dict(row.values)) for span, row in rows(results, 'motion', 'period')]
+
+    assert len(motions(0)) == 5
+    for lead in (-8, 8):
+        for (span, values), (other_span, other) in zip(motions(0), motions(lead), strict=True):
+            assert span == other_span
+            np.testing.assert_equal(values, other)
+
+
 def test_without_events_the_section_is_interpolated(steady):
     results = fed(monitor(regime_cycles=512), blocks(steady[0]))
     points = np.concatenate([table.rows for table in tables(results, 'poincare')])
