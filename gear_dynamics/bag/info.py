@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,6 +12,7 @@ import numpy as np
 from gear_dynamics.bag.log import SAMPLES_TOPIC, Log, LogPath
 from gear_dynamics.bag.source import Damage, LogChannel, McapSource, ReadMessage
 from gear_dynamics.bag.tables import Table, TableError, decode_table
+from gear_dynamics.configuration import Rig
 
 
 @dataclasses.dataclass(frozen=True)
@@ -103,6 +105,8 @@ def log_info(path: LogPath) -> LogInfo:
     damage: list[Damage] = []
     with Log(path, damage.append) as log:
         counts, start, end = _count(log)
+        configurations = [c for source in log.sources for c in source.configurations()]
+        rates = _sample_rates(configurations)
         seconds = (end - start) * 1e-9
         topics = [
             TopicInfo(
@@ -111,11 +115,10 @@ def log_info(path: LogPath) -> LogInfo:
                 qos=channel.qos,
                 messages=count,
                 rate=(count - 1) / seconds if count > 1 and seconds > 0 else None,
-                gaps=_gaps(log, channel, count, start),
+                gaps=_gaps(log, channel, count, start, rates),
             )
             for channel, count in sorted(counts.items(), key=lambda item: item[0].topic)
         ]
-        configurations = [c for source in log.sources for c in source.configurations()]
         return LogInfo(
             files=tuple(source.path for source in log.sources),
             size=sum(source.size for source in log.sources),
@@ -165,18 +168,29 @@ def _changes(configurations: list[dict[str, str]]) -> Iterator[dict[str, str]]:
         previous = content
 
 
-def _gaps(log: Log, channel: LogChannel, count: int, start: int) -> tuple[Gap, ...]:
-    """Return the gaps of a stream of samples; read through only if a block is missing."""
+def _sample_rates(configurations: list[dict[str, str]]) -> set[float]:
+    """Return the sample rates of the rigs that the log tells of [Hz]."""
+    rates = set()
+    for text in {text for configuration in configurations for text in configuration.values()}:
+        with contextlib.suppress(ValueError):
+            rates.add(Rig.from_text(text).sample_rate)
+    return rates
+
+
+def _gaps(
+    log: Log, channel: LogChannel, count: int, start: int, rates: set[float]
+) -> tuple[Gap, ...]:
+    """Return the gaps of a stream of samples; read through only if its ends do not fit."""
     if not channel.topic.endswith('/' + SAMPLES_TOPIC) or count < 2:
         return ()
     first = _table(next(log.messages([channel.topic]), None))
-    period = _period(first)
+    period = _period(first, rates)
     last = None if first is None or period is None else _table(_last(log, channel.topic))
     if first is None or period is None or last is None:
         return ()
-    block = len(first.rows) * period
-    expected = (last.stamp_ns - first.stamp_ns) * 1e-9 / block + 1
-    if len(first.rows) == len(last.rows) and abs(expected - count) < 0.5:
+    samples = (last.stamp_ns - first.stamp_ns) * 1e-9 / period
+    expected = (count - 1) * len(first.rows)
+    if len(first.rows) == len(last.rows) and abs(samples - expected) < 0.25:
         return ()
     return tuple(_find_gaps(log, channel.topic, period, start))
 
@@ -193,14 +207,19 @@ def _find_gaps(log: Log, topic: str, period: float, start: int) -> Iterator[Gap]
         expected = table.stamp_ns + len(table.rows) * period * 1e9
 
 
-def _period(table: Table | None) -> float | None:
-    """Return the spacing of column t [s], to the precision of the float32 that it comes in."""
+def _period(table: Table | None, rates: set[float]) -> float | None:
+    """Return the spacing of column t [s].
+
+    It is as precise as the float32 that t comes in, unless one of the known rates is meant.
+    """
     if table is None or 't' not in (table.rows.dtype.names or ()) or len(table.rows) < 2:
         return None
     t = table.rows['t'].astype(np.float64)
     period = float(t[-1] - t[0]) / (len(t) - 1)
     steady = period > 0 and bool(np.all(abs(np.diff(t) - period) < 0.01 * period))
-    return period if steady else None
+    if not steady:
+        return None
+    return next((1 / rate for rate in rates if abs(period * rate - 1) < 1e-5), period)
 
 
 def _table(item: tuple[McapSource, ReadMessage] | None) -> Table | None:

@@ -9,7 +9,9 @@ from rosbags.rosbag2 import Reader
 
 import gear_dynamics as gd
 from gear_dynamics.bag.command import main
+from gear_dynamics.bag.info import log_info
 from gear_dynamics.bag.tables import TABLE_TYPE, columns_as_float32, encode_table
+from gear_dynamics.bag.writer import LogWriter
 from gear_dynamics.configuration import configuration_text
 from gear_dynamics.model.columns import SAMPLES
 from gear_dynamics.settings import SimSettings
@@ -57,6 +59,26 @@ def test_info_finds_gaps_and_cuts(tmp_path, capsys):
     out = capsys.readouterr().out
     assert 'cut or damaged' in out
     assert '/gear_pair/samples: +0.002500 s at' in out
+
+
+@pytest.mark.parametrize('configured', [False, True])
+@pytest.mark.parametrize('samples', [0, 1, -1, 20])
+def test_info_finds_a_gap_of_a_single_sample(tmp_path, configured, samples):
+    """Of a log of 40 s: t of float32 alone would be off by a sample at its end."""
+    rate = 51201.0
+    rows = np.zeros(512, SAMPLES)
+    rows['t'] = np.arange(512) / rate
+    rows = columns_as_float32(rows, 0.0)
+    text = configuration_text(gd.GearPair(), SimSettings(sample_rate=rate, monitor_rate=rate / 3))
+    (tmp_path / 'logs').mkdir()
+    with LogWriter(tmp_path / 'logs', {'text': text if configured else ''}, free_floor=0.0) as log:
+        for number in range(4000):
+            late = samples if number >= 1000 else 0
+            stamp = bag_support.START + round((number * 512 + late) / rate * 1e9)
+            data = encode_table(rows, stamp, 'f')
+            log.write('/gear_pair/samples', TABLE_TYPE, data, stamp, stamp)
+    (topic,) = log_info(next((tmp_path / 'logs').iterdir())).topics
+    assert [round(gap.duration * rate) for gap in topic.gaps] == [samples] * bool(samples)
 
 
 def test_recover_writes_a_sound_log_beside_the_cut_one(folder, capsys):
@@ -139,8 +161,6 @@ def sine_log(tmp_path, blocks):
             )
         )
     (tmp_path / 'logs').mkdir()
-    from gear_dynamics.bag.writer import LogWriter
-
     with LogWriter(tmp_path / 'logs', {'text': text}, free_floor=0.0) as writer:
         for message in published:
             bag_support.hand_in(writer, message)
