@@ -18,14 +18,19 @@ import numpy as np
 
 from gear_dynamics.model.jumps import SLOPE, VALUE
 from gear_dynamics.model.kernel import kernel
-from gear_dynamics.model.lanes import weighted_sum
+from gear_dynamics.model.lanes import LANES, weighted_sum
 from gear_dynamics.model.layout import (
     ANGLE1,
     ANGLE2,
+    AX1,
     HIGH_RATE_COLUMNS,
+    HIGH_RATE_DELTA,
+    HIGH_RATE_SPEED,
     LOAD,
     OVERSAMPLING,
     REACH,
+    SAMPLE_DELTA,
+    SAMPLE_DELTA_DOT,
     SPEED,
     TAPS,
     T,
@@ -84,8 +89,10 @@ def _decimate(weights, high, made, out):
     for i in range(out.shape[0]):
         first = OVERSAMPLING * i
         weighted_sum(weights, high, first, made)
-        for j in range(out.shape[1]):
-            out[i, j] = made[j]
+        for j in range(AX1, SAMPLE_DELTA_DOT + 1):
+            out[i, j] = made[j - AX1]
+        out[i, SPEED] = out[i, HIGH_RATE_SPEED]
+        out[i, SAMPLE_DELTA] = high[first + centre, HIGH_RATE_DELTA]
         for j in (T, ANGLE1, ANGLE2, LOAD):
             out[i, j] = high[first + centre, j]
 
@@ -108,15 +115,15 @@ def _smooth(residuals, jumps, rate, high, first):
             if sample >= instant:
                 step = -step
             kink /= rate
-            for j in range(T + 1, SPEED + 1):
+            for j in range(AX1, SAMPLE_DELTA_DOT + 1):
                 high[row, j] += jumps[i, VALUE, j] * step + jumps[i, SLOPE, j] * kink
 
 
 class BandLimiter:
     """Turns samples at OVERSAMPLING times the rate into band-limited samples at the rate.
 
-    Accelerations, forces, delta, delta_dot and speed, which jump or kink at events, are filtered.
-    Time, angles and load torque are smooth and are taken at their instant, which is where the
+    Accelerations, forces, delta_dot and speed, which jump or kink at events, are filtered. Time,
+    delta, angles and load torque are smooth and are taken at their instant, which is where the
     filter's delay puts the others.
 
     Parameters
@@ -130,8 +137,8 @@ class BandLimiter:
     def __init__(self, capacity: int, sample_rate: float) -> None:
         self.capacity = capacity
         self._rate = OVERSAMPLING * sample_rate
-        self._rows = np.zeros((_SPAN + OVERSAMPLING * capacity, HIGH_RATE_COLUMNS))
-        self._made = np.zeros(HIGH_RATE_COLUMNS)
+        self._rows = _rows_in_cache_lines(_SPAN + OVERSAMPLING * capacity)
+        self._made = np.zeros(LANES)
         self._held = 0
         self._first = 0
         self._jumps = np.zeros((0, 2, HIGH_RATE_COLUMNS))
@@ -168,3 +175,10 @@ class BandLimiter:
         self._first += used
         self._held = _SPAN - OVERSAMPLING
         self._rows[: self._held] = self._rows[used : used + self._held]
+
+
+def _rows_in_cache_lines(count: int) -> np.ndarray:
+    """Return rows of samples whose filtered columns each lie in one cache line of 64 bytes."""
+    numbers = np.zeros(count * HIGH_RATE_COLUMNS + LANES)
+    skip = (-(numbers.ctypes.data // numbers.itemsize) - AX1) % LANES
+    return numbers[skip : skip + count * HIGH_RATE_COLUMNS].reshape(count, HIGH_RATE_COLUMNS)

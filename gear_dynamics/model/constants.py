@@ -24,7 +24,7 @@ CONSTANTS = np.dtype(
             # ready for the equations: 1 / m, c / m, k / m and the like
             'inv_m1 inv_m2 inv_me inv_it c1_m c2_m k1_m k2_m psi_1 psi_2 th1_psi th2_psi '
             # scales and tolerances
-            'wn rtol atol'
+            'wn fastest rtol atol'
         ).split()
     ]
     + [(name, np.int64) for name in ('rectangular', 'damping_in_gap', 'drive', 'hunting')]
@@ -32,6 +32,7 @@ CONSTANTS = np.dtype(
 """k, c: of one tooth pair; pitch: base pitch; arm1: r1 sin a - l1; arm_sum: (rb1 + rb2) tan a;
 ratio: rb1 / rb2; inertia_t: It; psi_1, psi_2: rb / I;
 th1_psi, th2_psi: what psi adds to th1 and takes from th2;
+fastest: bound of the natural frequencies [rad/s];
 drive: 1 for the six-coordinate form, 0 for the reduced one;
 hunting: tooth pairs until the same two teeth meet again."""
 
@@ -84,6 +85,7 @@ def pack(pair: GearPair, rtol: float, atol: float, drive: bool = True) -> np.nda
         'cd': 2 * pair.drive_damping_ratio * drive_rate * inertia_t,
         'ki': kd * drive_rate / 5,
         'wn': derived.wn,
+        'fastest': _fastest_mode(pair),
         'rtol': rtol,
         'atol': atol,
         'rectangular': pair.mesh_stiffness == 'rectangular',
@@ -109,3 +111,18 @@ def pack(pair: GearPair, rtol: float, atol: float, drive: bool = True) -> np.nda
     for name, value in values.items():
         packed[name] = value
     return packed
+
+
+def _fastest_mode(pair: GearPair) -> float:
+    """Return a bound of the highest natural frequency, with two pairs in contact [rad/s].
+
+    The sum of what the mesh and the supports alone would give (Weyl's inequality).
+    """
+    derived = pair.derived
+    mesh = 2 * pair.tooth_pair_stiffness
+    mesh *= 1 / derived.pinion_mass + 1 / derived.gear_mass + 1 / derived.equivalent_mass
+    supports = max(
+        pair.pinion_support_stiffness / derived.pinion_mass,
+        pair.gear_support_stiffness / derived.gear_mass,
+    )
+    return math.sqrt(mesh + supports)

@@ -7,14 +7,18 @@ import math
 import numpy as np
 
 from gear_dynamics.model.kernel import kernel
-from gear_dynamics.model.lanes import LANES, eighths
+from gear_dynamics.model.lanes import LANES, sixteenths
 from gear_dynamics.model.series import polynomial
 
 DRIVE, GAP, BACK = 1, 0, -1
 """Contact states of a tooth pair: on the drive flank, in the backlash gap, on the back flank."""
 
-# A step is looked at in eight parts. It spans at most about five radians of the fastest mode, so
-# that a part has room for one extremum at most.
+PARTS = 2 * LANES
+"""Parts in which a step is looked at."""
+
+MOST_RADIANS = 16.0
+"""Longest step, in radians of the fastest mode: a part then spans one radian at most, which has
+room for one extremum."""
 
 _NEAR = 8 * np.finfo(np.float64).eps
 _STILL = 1e-10
@@ -109,10 +113,10 @@ def _stays_above(level, value, slope, h, work):
     Between two points g falls below the lower of them by no more than the steepest slope allows.
     """
     lowest, steepest = value, abs(slope)
-    for j in range(LANES):
+    for j in range(PARTS):
         lowest = min(lowest, work[0, j])
         steepest = max(steepest, abs(work[1, j]))
-    return lowest - level > steepest * h / LANES
+    return lowest - level > steepest * h / PARTS
 
 
 @kernel
@@ -130,7 +134,7 @@ def first_change(g, row, h, state, b, work):
         DRIVE, GAP or BACK.
     b : float
         Half backlash [m].
-    work : (2, LANES) array
+    work : (2, PARTS) array
         Scratch.
 
     Returns
@@ -139,13 +143,13 @@ def first_change(g, row, h, state, b, work):
         t is inf if the state lasts.
     """
     near = _NEAR * b
-    eighths(g, row, h, work)
+    sixteenths(g, row, h, work)
     gb, sb, tb = g[row, 0], g[row, 1], 0.0
     if state == DRIVE and _stays_above(b, gb, sb, h, work):
         return math.inf, state
-    for j in range(LANES):
+    for j in range(PARTS):
         ga, sa, ta = gb, sb, tb
-        gb, sb, tb = work[0, j], work[1, j], h * ((j + 1) / LANES)
+        gb, sb, tb = work[0, j], work[1, j], h * ((j + 1) / PARTS)
         if state == DRIVE:
             t = _exit(g, row, b, 1.0, near, ta, ga, sa, tb, gb, sb)
             if t < math.inf:

@@ -16,11 +16,11 @@ from gear_dynamics.model.layout import (
     DELTA,
     FORCE,
     FRICTION,
+    HIGH_RATE_SPEED,
     SAMPLE_DELTA_DOT,
     SEG_FORCE,
     SEG_FRICTION,
     SEG_MOMENT,
-    SPEED,
     T,
 )
 from gear_dynamics.model.output import operate
@@ -78,5 +78,5 @@ def note_jump(p, clock, series, segment, jumps):
     jump[SLOPE, AY1] = force_slope * p.inv_m1 - p.c1_m * jump[VALUE, AY1]
     jump[SLOPE, AY2] = -force_slope * p.inv_m2 - p.c2_m * jump[VALUE, AY2]
     jump[SLOPE, SAMPLE_DELTA_DOT] = a_delta
-    jump[SLOPE, SPEED] = a_q + p.th1_psi * a_psi
+    jump[SLOPE, HIGH_RATE_SPEED] = a_q + p.th1_psi * a_psi
     clock.jumps += 1

@@ -13,7 +13,7 @@ from llvmlite import ir
 from numba.core import cgutils, types
 from numba.extending import intrinsic
 
-from gear_dynamics.model.layout import ROWS, TAPS
+from gear_dynamics.model.layout import AX1, HIGH_RATE_COLUMNS, ROWS, TAPS
 
 LANES = 8
 
@@ -113,10 +113,10 @@ def columns_at_four(typing_context, series, t0, t1, t2, t3, out):
 
 
 @intrinsic
-def eighths(typing_context, polynomials, row, h, out):
-    """Put a polynomial and its slope at h/8, 2h/8, ..., h into rows 0 and 1 of `out`.
+def sixteenths(typing_context, polynomials, row, h, out):
+    """Put a polynomial and its slope at h/16, 2h/16, ..., h into rows 0 and 1 of `out`.
 
-    polynomials : (n, ROWS) array, of which the row is taken; out : array with room for 16 numbers.
+    polynomials : (n, ROWS) array, of which the row is taken; out : (2, 16) array.
     """
 
     def generate(context, builder, signature, arguments):
@@ -125,12 +125,15 @@ def eighths(typing_context, polynomials, row, h, out):
         target = _data(context, builder, out_type, arguments[3])
         index = context.cast(builder, arguments[1], row_type, types.int64)
         data = builder.gep(data, [builder.mul(index, ir.Constant(_INT, ROWS))])
-        parts = ir.Constant(_VECTOR, [(i + 1) / LANES for i in range(LANES)])
-        times = [builder.fmul(parts, _spread(builder, arguments[2]))]
+        whole = _spread(builder, arguments[2])
+        times = []
+        for half in range(2):
+            parts = [(LANES * half + i + 1) / (2 * LANES) for i in range(LANES)]
+            times.append(builder.fmul(ir.Constant(_VECTOR, parts), whole))
         coefficients = [_spread(builder, builder.load(_at(builder, data, k))) for k in range(ROWS)]
-        ((value, slope),) = _horner(builder, coefficients, times)
-        _store(builder, value, target, 0)
-        _store(builder, slope, target, LANES)
+        for half, (value, slope) in enumerate(_horner(builder, coefficients, times)):
+            _store(builder, value, target, half * LANES)
+            _store(builder, slope, target, (2 + half) * LANES)
         return context.get_dummy_value()
 
     return types.void(polynomials, row, h, out), generate
@@ -138,30 +141,28 @@ def eighths(typing_context, polynomials, row, h, out):
 
 @intrinsic
 def weighted_sum(typing_context, weights, rows, first, out):
-    """Put the weighted sum of TAPS rows of sixteen numbers, from row `first` on, into `out`.
+    """Put the weighted sum of eight columns, AX1 and on, of TAPS rows into `out`.
 
-    weights : (TAPS,) array; rows : (n, 16) array; out : array with room for 16 numbers.
+    weights : (TAPS,) array; rows : (n, HIGH_RATE_COLUMNS) array; first : the first row; out :
+    array with room for 8 numbers.
     """
 
     def generate(context, builder, signature, arguments):
-        weights_type, rows_type, _, out_type = signature.args
+        weights_type, rows_type, first_type, out_type = signature.args
         weight = _data(context, builder, weights_type, arguments[0])
         data = _data(context, builder, rows_type, arguments[1])
         target = _data(context, builder, out_type, arguments[3])
-        index = context.cast(builder, arguments[2], signature.args[2], types.int64)
-        begin = builder.mul(index, ir.Constant(_INT, 2 * LANES))
-        data = builder.gep(data, [begin])
-        sums = [ir.Constant(_VECTOR, [0.0] * LANES)] * 8
+        index = context.cast(builder, arguments[2], first_type, types.int64)
+        data = builder.gep(data, [builder.mul(index, ir.Constant(_INT, HIGH_RATE_COLUMNS))])
+        # Several sums, so that none waits for its own last addition.
+        sums = [ir.Constant(_VECTOR, [0.0] * LANES)] * LANES
         for k in range(TAPS):
             factor = _spread(builder, builder.load(_at(builder, weight, k)))
-            for half in range(2):
-                which = 2 * (k % 4) + half
-                vector = _load(builder, data, (2 * k + half) * LANES)
-                sums[which] = _multiply_add(builder, factor, vector, sums[which])
-        for half in range(2):
-            early = builder.fadd(sums[half], sums[2 + half])
-            late = builder.fadd(sums[4 + half], sums[6 + half])
-            _store(builder, builder.fadd(early, late), target, half * LANES)
+            vector = _load(builder, data, k * HIGH_RATE_COLUMNS + AX1)
+            sums[k % LANES] = _multiply_add(builder, factor, vector, sums[k % LANES])
+        while len(sums) > 1:
+            sums = [builder.fadd(a, b) for a, b in zip(sums[::2], sums[1::2], strict=True)]
+        _store(builder, sums[0], target, 0)
         return context.get_dummy_value()
 
     return types.void(weights, rows, first, out), generate

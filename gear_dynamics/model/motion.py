@@ -11,9 +11,8 @@ import numpy as np
 from gear_dynamics.model import mesh
 from gear_dynamics.model.columns import EVENTS
 from gear_dynamics.model.constants import pack
-from gear_dynamics.model.contact import BACK, DRIVE
+from gear_dynamics.model.contact import BACK, DRIVE, PARTS
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.lanes import LANES
 from gear_dynamics.model.layout import COLUMNS, ROWS, SEGMENT, STATES, WIDTH
 from gear_dynamics.model.run_settings import RunSettings
 
@@ -58,7 +57,7 @@ class Motion(NamedTuple):
 
     `constants` (n,) CONSTANTS, `clock` (n,) CLOCK, `state` (n, STATES), `series`
     (n, ROWS, COLUMNS), `error` (n, 3, ROWS), `segment` (n, SEGMENT, WIDTH), `work`
-    (n, 2, LANES), `point` (n, 8, COLUMNS), `events` (n, capacity) EVENTS; and shared by all:
+    (n, 2, PARTS), `point` (n, 8, COLUMNS), `events` (n, capacity) EVENTS; and shared by all:
     `zones`, `profiles`.
     """
 
@@ -122,7 +121,7 @@ def at_rest(
         series=np.zeros((n, ROWS, COLUMNS)),
         error=np.zeros((n, 3, ROWS)),
         segment=np.zeros((n, SEGMENT, WIDTH)),
-        work=np.zeros((n, 2, LANES)),
+        work=np.zeros((n, 2, PARTS)),
         point=np.zeros((n, 8, COLUMNS)),
         events=np.zeros((n, EVENT_CAPACITY), EVENTS),
         zones=table,

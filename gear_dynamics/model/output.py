@@ -16,6 +16,8 @@ from gear_dynamics.model.layout import (
     DELTA,
     FORCE,
     FRICTION,
+    HIGH_RATE_DELTA,
+    HIGH_RATE_SPEED,
     LOAD,
     PSI,
     SAMPLE_DELTA,
@@ -63,17 +65,12 @@ def _within_turn(angle):
 
 
 @kernel
-def _write_angles(p, clock, tau, psi, q, out, row):
-    z1, z2 = int(p.z1), int(p.z2)
-    phase = clock.phase + p.z1 / TURN * tau * (clock.speed + 0.5 * clock.accel * tau)
-    th1, th2 = q + p.th1_psi * psi, p.ratio * q - p.th2_psi * psi
-    out[row, ANGLE1] = _within_turn(TURN * (clock.cycle % z1 + phase) / p.z1 + th1)
-    out[row, ANGLE2] = _within_turn(TURN * (clock.cycle % z2 + phase) / p.z2 + th2)
+def write_samples(p, clock, series, segment, point, whole_every, out, first, count):
+    """Write the next one to four samples, all within the present step, to rows of `out`.
 
-
-@kernel
-def write_samples(p, clock, series, segment, point, angles_every, out, first, count):
-    """Write the next one to four samples, all within the present step, to rows of `out`."""
+    Time, angles, delta and load torque are written of every `whole_every`-th sample, a power of
+    two; if that is not 1, delta and speed are in their places for the high rate.
+    """
     # A sample's time must not depend on which samples are written together with it.
     begin, sample = clock.begin, clock.sample
     t0 = time_of_sample(clock, sample) - begin
@@ -81,28 +78,42 @@ def write_samples(p, clock, series, segment, point, angles_every, out, first, co
     t2 = time_of_sample(clock, sample + 2) - begin
     t3 = time_of_sample(clock, sample + 3) - begin
     columns_at_four(series, t0, t1, t2, t3, point)
-    inv_m1, inv_m2 = p.inv_m1, p.inv_m2
+    # Into locals, since a store into `out` might otherwise be taken to change them.
+    inv_m1, inv_m2, ratio = p.inv_m1, p.inv_m2, p.ratio
     c1, k1, c2, k2 = p.c1_m, p.k1_m, p.c2_m, p.k2_m
+    th1_psi, th2_psi = p.th1_psi, p.th2_psi
     speed, accel, torque, torque_rate = clock.speed, clock.accel, clock.torque, clock.torque_rate
-    th1_psi, rate, degree, rubs = p.th1_psi, clock.sample_rate, clock.degree, p.mu > 0
+    degree, rubs, rate = clock.degree, p.mu > 0, clock.sample_rate
+    tooth1, tooth2 = clock.cycle % int(p.z1), clock.cycle % int(p.z2)
+    phase, per_turn = clock.phase, p.z1 / TURN
+    angle1, angle2 = TURN / p.z1, TURN / p.z2
+    force_k, force_c, force_o = segment[0, 0], segment[1, 0], segment[2, 0]
+    rub_k, rub_c, rub_o = segment[3, 0], segment[4, 0], segment[5, 0]
+    delta_at = SAMPLE_DELTA if whole_every == 1 else HIGH_RATE_DELTA
+    speed_at = SPEED if whole_every == 1 else HIGH_RATE_SPEED
     for i in range(count):
         tau = t0 if i == 0 else t1 if i == 1 else t2 if i == 2 else t3
         value, slope, row = 2 * i, 2 * i + 1, first + i
         delta, delta_dot = point[value, DELTA], point[slope, DELTA]
-        force = operate(segment, SEG_FORCE, degree, tau, delta, delta_dot)
-        friction = 0.0
-        if rubs:
+        psi, q = point[value, PSI], point[value, Q]
+        if degree == 0:
+            force = force_k * delta + force_c * delta_dot + force_o
+            friction = rub_k * delta + rub_c * delta_dot + rub_o if rubs else 0.0
+        else:
+            force = operate(segment, SEG_FORCE, degree, tau, delta, delta_dot)
             friction = operate(segment, SEG_FRICTION, degree, tau, delta, delta_dot)
         a_x1 = friction * inv_m1 - c1 * point[slope, X1] - k1 * point[value, X1]
         a_y1 = force * inv_m1 - c1 * point[slope, Y1] - k1 * point[value, Y1]
         a_x2 = -friction * inv_m2 - c2 * point[slope, X2] - k2 * point[value, X2]
         a_y2 = -force * inv_m2 - c2 * point[slope, Y2] - k2 * point[value, Y2]
         spin = point[slope, Q] + th1_psi * point[slope, PSI]
-        out[row, T] = (sample + i) / rate
         out[row, AX1], out[row, AY1], out[row, AX2], out[row, AY2] = a_x1, a_y1, a_x2, a_y2
-        out[row, FORCE], out[row, FRICTION] = force, friction
-        out[row, SAMPLE_DELTA], out[row, SAMPLE_DELTA_DOT] = delta, delta_dot
-        out[row, SPEED] = speed + accel * tau + spin
-        out[row, LOAD] = torque + torque_rate * tau
-        if (sample + i) % angles_every == 0:
-            _write_angles(p, clock, tau, point[value, PSI], point[value, Q], out, row)
+        out[row, FORCE], out[row, FRICTION], out[row, SAMPLE_DELTA_DOT] = force, friction, delta_dot
+        out[row, speed_at] = speed + accel * tau + spin
+        if (sample + i) & (whole_every - 1) == 0:
+            now = phase + per_turn * tau * (speed + 0.5 * accel * tau)
+            out[row, T] = (sample + i) / rate
+            out[row, delta_at] = delta
+            out[row, ANGLE1] = _within_turn(angle1 * (tooth1 + now) + q + th1_psi * psi)
+            out[row, ANGLE2] = _within_turn(angle2 * (tooth2 + now) + ratio * q - th2_psi * psi)
+            out[row, LOAD] = torque + torque_rate * tau

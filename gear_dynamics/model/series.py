@@ -208,7 +208,7 @@ def step_size(p, series, y):
     if last > 0:
         ratio = tolerance / ((ROWS - 1) * (ROWS - 2) * last)
         step = ratio ** (1.0 / (ROWS - 3))
-    if before > 0:
-        ratio = tolerance / ((ROWS - 2) * (ROWS - 3) * before)
-        step = min(step, ratio ** (1.0 / (ROWS - 4)))
+    weighed = (ROWS - 2) * (ROWS - 3) * before
+    if weighed > 0 and (step == math.inf or weighed * step ** (ROWS - 4) > tolerance):
+        step = (tolerance / weighed) ** (1.0 / (ROWS - 4))
     return step

@@ -40,7 +40,7 @@ def _fill(
     zones,
     profiles,
     jumps,
-    angles_every,
+    whole_every,
     out,
 ):
     return stepper.fill_samples(
@@ -56,7 +56,7 @@ def _fill(
         borrowed(point)[0],
         borrowed(events)[0],
         borrowed(jumps),
-        angles_every,
+        whole_every,
         borrowed(out),
     )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from gear_dynamics.model.contact import GAP, contact_state, first_change
+from gear_dynamics.model.contact import GAP, MOST_RADIANS, contact_state, first_change
 from gear_dynamics.model.jumps import note_before, note_jump
 from gear_dynamics.model.kernel import kernel
 from gear_dynamics.model.layout import DELTA, ROWS, SEG_ERROR, WIDTH
@@ -26,7 +26,7 @@ CONTROL, MESH, COMMAND, CONTACT = 0, 1, 2, 3
 DONE, EVENTS_FULL, STUCK, NOT_FINITE = 0, 1, 2, 3
 
 LONGEST_STEP = 0.05
-"""The longest step [s]; only a pair at rest comes near it."""
+"""The longest step [s]; only a soft pair at rest comes near it."""
 
 _TINY = 1e-9
 MANY_TINY_STEPS = 10000
@@ -218,7 +218,8 @@ def _find_contact_change(p, clock, zone, profiles, series, error, segment, work,
 @kernel
 def _choose_length(p, clock, zones, series, y):
     """Set how far the present step goes, and why it ends there."""
-    clock.length, clock.ending = min(step_size(p, series, y), LONGEST_STEP), CONTROL
+    longest = min(LONGEST_STEP, MOST_RADIANS / p.fastest)
+    clock.length, clock.ending = min(step_size(p, series, y), longest), CONTROL
     smallest = 1e-12 / p.wn
     if clock.length < smallest:
         clock.tiny_steps = MANY_TINY_STEPS
@@ -342,15 +343,15 @@ def fill_samples(
     point,
     events,
     jumps,
-    angles_every,
+    whole_every,
     out,
 ):
     """Fill the rows of `out` with the next samples; return their number and a status.
 
     out : (n, 13 or more) array
         Columns in the order of SAMPLE_COLUMNS.
-    angles_every : int
-        The angles are wanted only of every so many samples; those of the others are left alone.
+    whole_every : int
+        Time, angles and load torque are wanted only of every so many samples, a power of two.
     """
     count = out.shape[0]
     i = 0
@@ -377,7 +378,7 @@ def fill_samples(
         end = clock.begin + clock.length
         while time_of_sample(clock, clock.sample + together - 1) >= end:
             together -= 1
-        write_samples(p, clock, series, segment, point, angles_every, out, i, together)
+        write_samples(p, clock, series, segment, point, whole_every, out, i, together)
         clock.sample += together
         i += together
     return count, DONE
