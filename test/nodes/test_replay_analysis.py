@@ -7,28 +7,47 @@ import pytest
 rclpy = pytest.importorskip('rclpy')
 
 import ros_support  # noqa: E402
+from diagnostic_msgs.msg import DiagnosticArray  # noqa: E402
 from sensor_msgs.msg import PointCloud2  # noqa: E402
 from std_srvs.srv import SetBool  # noqa: E402
 
+from gear_dynamics.bag.messages import deserialize  # noqa: E402
 from gear_dynamics.bag.tables import decode_table  # noqa: E402
 
 ANALYZER = 'gear_dynamics.nodes.analyzer'
-TABLES = ('spectrum', 'order_spectrum', 'poincare')
+TABLES = ('spectrum', 'envelope_spectrum', 'order_spectrum', 'poincare')
+RESULTS = (*TABLES, 'condition')
 RIG = ('gear_pair/samples', 'gear_pair/events', 'gear_pair/configuration')
 
 
 def listen(client, prefix):
+    kinds = dict.fromkeys(TABLES, PointCloud2) | {'condition': DiagnosticArray}
     return {
-        name: client.collect(PointCloud2, f'{prefix}/gear_pair/{name}', raw=True) for name in TABLES
+        name: client.collect(kind, f'{prefix}/gear_pair/{name}', raw=True)
+        for name, kind in kinds.items()
     }
 
 
-def by_stamp(messages):
+def tables_by_stamp(messages):
     tables = [decode_table(each) for each in messages]
-    return {table.stamp_ns: table.rows for table in tables}
+    return {table.stamp_ns: table.rows.tobytes() for table in tables}
 
 
-def test_replayed_log_gives_the_spectra_and_the_section_of_the_live_run(domain, client, tmp_path):
+def conditions(messages):
+    """What each status says, without the name of its rig, by stamp, subject and keys."""
+    found = {}
+    for data in messages:
+        message = deserialize(data, 'diagnostic_msgs/msg/DiagnosticArray')
+        stamp = message.header.stamp.sec, message.header.stamp.nanosec
+        for status in message.status:
+            subject = status.name.split(': ')[1]
+            keys = tuple(each.key for each in status.values)
+            values = [each.value for each in status.values]
+            found[stamp, subject, keys] = status.level, status.message, values
+    return found
+
+
+def test_replayed_log_gives_the_results_of_the_live_run(domain, client, tmp_path):
     live = listen(client, '/live')
     parameters = {'log_directory': tmp_path, 'log_free_floor': 0.0}
     with ros_support.Process(ANALYZER, domain, parameters, ['-r', '__ns:=/live']) as analyzer:
@@ -68,13 +87,16 @@ def test_replayed_log_gives_the_spectra_and_the_section_of_the_live_run(domain, 
         client.call(SetBool, 'gear_replay/pause', SetBool.Request(data=False))
         assert replay.wait(60) == 0
         ros_support.wait_until(
-            lambda: all(len(replayed[name]) >= len(live[name]) for name in TABLES),
+            lambda: all(len(replayed[name]) >= len(live[name]) for name in RESULTS),
             30,
             'as many results as live',
         )
         assert analyzer.stop() == 0
-    for name in TABLES:
+    for name in RESULTS:
+        by_stamp = tables_by_stamp if name in TABLES else conditions
         before, after = by_stamp(live[name]), by_stamp(replayed[name])
         assert len(before.keys() & after.keys()) >= len(before) - 1, name
         for stamp in before.keys() & after.keys():
-            assert before[stamp].tobytes() == after[stamp].tobytes(), (name, stamp)
+            assert before[stamp] == after[stamp], (name, stamp)
+    subjects = {subject for _, subject, _ in before}
+    assert {'motion', 'contact', 'mesh_force'} <= subjects
