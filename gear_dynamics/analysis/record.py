@@ -27,7 +27,7 @@ from gear_dynamics.analysis.results import (
 )
 from gear_dynamics.analysis.section_task import Motion, SectionTask
 from gear_dynamics.analysis.spread import Spread
-from gear_dynamics.analysis.thresholds import Level, Thresholds
+from gear_dynamics.analysis.thresholds import Thresholds
 from gear_dynamics.analysis.time_tasks import (
     Envelope,
     EnvelopeTask,
@@ -46,8 +46,6 @@ BATCH = 0.02
 EXACT = 'exact, from events'
 INTERPOLATED = 'interpolated between samples: delta to (w h)^4 / 384, delta_dot to (w h)^3 / 125'
 """What the states of a section are; w is the angular frequency of the motion, h the step."""
-
-WITHIN_NOISE = 'no more than noise leaves in such an average: not judged'
 
 
 class Record:
@@ -206,7 +204,7 @@ class Record:
                 'envelope_frequency': float(envelope.frequency[line]),
                 'envelope_amplitude': float(envelope.amplitude[line, index]),
             }
-            rows.append(condition_row(f'{channel}', values, self._thresholds))
+            rows.append(condition_row(channel, values, self._thresholds))
         table = self._table(
             'envelope_spectrum', 'frequency', first, count, envelope.frequency, envelope.amplitude
         )
@@ -233,9 +231,6 @@ class Record:
         if average.notes[index]:
             notes['not_a_number'] = average.notes[index]
         message = average.notes[index] or 'within its limits'
-        if average.within_noise[index] and not average.notes[index]:
-            message = WITHIN_NOISE
-            return ConditionRow(CHANNELS[index], Level.OK, message, values, notes)
         return condition_row(CHANNELS[index], values, self._thresholds, notes, message)
 
     def _motion_row(self, motion: Motion, source: str) -> ConditionRow:

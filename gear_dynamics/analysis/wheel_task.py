@@ -21,9 +21,6 @@ from gear_dynamics.analysis.synchronous import (
 NO_DIFFERENCE = 'no difference signal: its ratios would tell of rounding only'
 NO_RESIDUAL = 'no residual signal: its ratios would tell of rounding only'
 
-SIGNIFICANT = 3.0
-"""Times what noise leaves in an average that a residual must have to raise an alarm."""
-
 
 class WheelAverage(NamedTuple):
     """A finished average of one wheel.
@@ -41,8 +38,6 @@ class WheelAverage(NamedTuple):
         Indicators, one value a channel; NaN where they would be noise.
     notes : list of str
         What must be known of the values, one text a channel, mostly empty.
-    within_noise : ndarray of bool
-        Whether the residual of a channel is no more than what noise leaves in such an average.
     """
 
     wheel: str
@@ -52,7 +47,6 @@ class WheelAverage(NamedTuple):
     leakage: float
     values: dict[str, np.ndarray]
     notes: list[str]
-    within_noise: np.ndarray
 
 
 class WheelTask:
@@ -92,7 +86,6 @@ class WheelTask:
         self._segments: SegmentBuffer | None = None
         self._columns = columns
         self._sum = np.zeros((self._points, columns - 1))
-        self._square_sum = np.zeros(columns - 1)
         self._count = 0
         self._first = 0.0
         self._na4 = indicators.RunningKurtosis()
@@ -110,7 +103,6 @@ class WheelTask:
             if self._count == 0:
                 self._first = float(revolution[0, -1])
             self._sum += revolution[:, :-1]
-            self._square_sum += np.einsum('ij,ij->j', revolution[:, :-1], revolution[:, :-1])
             self._count += 1
             last = float(revolution[-1, -1])
             if self._complete(last):
@@ -126,21 +118,11 @@ class WheelTask:
         average = self._sum / self._count
         parts = separate(average, self._teeth)
         values, notes = self._indicators(average, parts)
-        within_noise = rms(parts.residual) <= SIGNIFICANT * self._standard_error(average)
         leakage = other_wheel_leakage(self._count, self._teeth, self._other)
-        result = WheelAverage(
-            self._wheel, self._first, last, self._count, leakage, values, notes, within_noise
-        )
+        result = WheelAverage(self._wheel, self._first, last, self._count, leakage, values, notes)
         self._sum[:] = 0
-        self._square_sum[:] = 0
         self._count = 0
         return result
-
-    def _standard_error(self, average: np.ndarray) -> np.ndarray:
-        """Return the RMS of what noise leaves in the average, from the spread of revolutions."""
-        square = self._square_sum / (self._count * self._points)
-        spread = np.maximum(square - np.mean(average**2, axis=0), 0)
-        return np.sqrt(spread / max(self._count - 1, 1))
 
     def _indicators(
         self, average: np.ndarray, parts: Parts
