@@ -92,6 +92,12 @@ class BagFolder:
         finished = sum(file.size for file in self._finished)
         return finished + (self._file.size if self._file else 0)
 
+    @property
+    def syncing(self) -> float:
+        """Time that the disk has been busy with syncing the file [s]."""
+        file = self._file
+        return file.syncing if file else 0.0
+
     def open(self) -> None:
         """Begin a new file, and the folder where there is none.
 

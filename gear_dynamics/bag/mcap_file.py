@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 import zlib
 from collections.abc import Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -56,6 +57,7 @@ class McapFile:
         self._syncer = ThreadPoolExecutor(1, 'log_sync')
         self._syncing: Future[None] | None = None
         self._synced = 0
+        self._sync_start = 0.0
         self._channels: dict[Topic, Channel] = {}
         self._start = self._end = 0
         builder = RecordBuilder()
@@ -129,13 +131,28 @@ class McapFile:
         if self._syncing is not None:
             if not self._syncing.done():
                 return
-            self._syncing.result()
+            self._end_sync()
         if self.size != self._synced:
             self._synced = self.size
+            self._sync_start = time.monotonic()
             self._syncing = self._syncer.submit(os.fdatasync, self._file)
+
+    @property
+    def syncing(self) -> float:
+        """Time that the present sync has taken so far [s]; 0 if there is none."""
+        syncing = self._syncing  # asked by other threads
+        running = syncing is not None and not syncing.done()
+        return time.monotonic() - self._sync_start if running else 0.0
+
+    def _end_sync(self) -> None:
+        """Wait for the sync in the background, and raise its error, but once."""
+        syncing, self._syncing = self._syncing, None
+        if syncing is not None:
+            syncing.result()
 
     def finish(self) -> FileSummary:
         """Write index and footer, close, and return what metadata.yaml says of the file."""
+        self._end_sync()
         self._commit()
         information = bag_information([self._summary()])
         text = yaml.safe_dump(information, sort_keys=False, width=1 << 20)

@@ -49,6 +49,8 @@ class LogStatus:
         that the disk refused.
     overflows : int
         Those of `dropped` for which the queue was full.
+    syncing : float
+        Seconds that the disk has taken so far to sync what it was handed; 0 if it is done.
     """
 
     state: str
@@ -59,6 +61,7 @@ class LogStatus:
     waiting: int
     dropped: int
     overflows: int
+    syncing: float
 
 
 class _Message(NamedTuple):
@@ -76,8 +79,10 @@ class _Change(NamedTuple):
 class LogWriter:
     """Writes a run into a bag folder `gear_log_YYYY_MM_DD-HH_MM_SS/`, as rosbag2 would.
 
-    Everything is on the disk within a second. When the disk is full, is read-only or the folder
-    disappears, logging stops at the last whole chunk, and resumes in a new file when it can.
+    The system has everything within half a second, and the disk as soon as it has synced, which
+    goes on in the background; `status` tells how long that takes. When the disk is full, is
+    read-only or the folder disappears, logging stops at the last whole chunk, and resumes in a
+    new file when it can.
 
     Parameters
     ----------
@@ -199,6 +204,7 @@ class LogWriter:
                 waiting=len(self._queue),
                 dropped=self._dropped,
                 overflows=self._overflows,
+                syncing=self._folder.syncing,
             )
 
     def close(self) -> LogStatus:

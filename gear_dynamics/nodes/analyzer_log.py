@@ -22,6 +22,9 @@ STREAM = OfferedQos(depth=100)
 LATCHED = OfferedQos(depth=1, durability='transient_local')
 PLAIN = OfferedQos()
 
+SLOW_SYNC = 1.0
+"""Time that a disk may take to sync [s]; a power cut would lose as much."""
+
 
 class AnalyzerLog:
     """Hands message bytes to the log writer, if there is to be a log.
@@ -94,6 +97,8 @@ class AnalyzerLog:
             return Report(Level.ERROR, f'not logging: {status.reason}', values)
         if status.overflows:
             return Report(Level.WARN, f'{status.overflows} messages came too fast', values)
+        if status.syncing > SLOW_SYNC:
+            return Report(Level.WARN, f'the disk has been syncing for {status.syncing:.1f} s', values)
         return Report(Level.OK, 'logging', values)
 
     def close(self) -> None:

@@ -1,6 +1,7 @@
 """Disks that fill, refuse or go away: logging stops cleanly, says so, and resumes."""
 
 import contextlib
+import errno
 import itertools
 import os
 import resource
@@ -8,12 +9,14 @@ import shutil
 import subprocess
 import sys
 import textwrap
+import threading
 import time
 from pathlib import Path
 
 import bag_support
 import pytest
 
+import gear_dynamics.bag.writer
 from gear_dynamics.bag.info import log_info
 from gear_dynamics.bag.reader import read_messages
 from gear_dynamics.bag.writer import LogWriter
@@ -215,6 +218,43 @@ def test_a_limit_on_the_file_size_stops_at_the_last_whole_chunk(tmp_path):
     assert info.whole
     assert info.messages == final.messages
     assert len(info.files) >= 2
+
+
+def test_an_error_of_the_sync_in_the_background_is_told(tmp_path, monkeypatch):
+    errors = [OSError(errno.EIO, os.strerror(errno.EIO))]
+    sync = os.fdatasync
+
+    def fail_once(file):
+        if errors:
+            raise errors.pop()
+        sync(file)
+
+    published = bag_support.messages(10)
+    monkeypatch.setattr(gear_dynamics.bag.writer, 'SYNC_INTERVAL', 1e6)
+    monkeypatch.setattr(os, 'fdatasync', fail_once)
+    writer = LogWriter(tmp_path, {}, free_floor=0.0)
+    for message in published:
+        bag_support.hand_in(writer, message)
+    final = writer.close()
+    assert 'Input/output error' in final.reason
+    info = log_info(final.path)
+    assert (info.whole, info.messages) == (True, final.messages)
+
+
+def test_a_sync_that_hangs_is_told(tmp_path, monkeypatch):
+    released = threading.Event()
+    monkeypatch.setattr(os, 'fdatasync', lambda file: released.wait(20))
+    writer = LogWriter(tmp_path, {}, free_floor=0.0)
+    try:
+        end = time.monotonic() + 20
+        while writer.status().syncing <= 1.0:
+            assert time.monotonic() < end
+            time.sleep(0.05)
+        assert writer.status().state == 'writing'
+    finally:
+        released.set()
+    final = writer.close()
+    assert (final.reason, final.syncing) == ('', 0.0)
 
 
 def test_the_floor_on_free_space_is_on_by_default(tmp_path):
