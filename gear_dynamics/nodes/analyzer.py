@@ -152,8 +152,7 @@ class Analyzer:
                 self._publish_condition(result)
 
     def _publish_table(self, result: TableResult) -> None:
-        frame = FRAME if result.name == 'poincare' else f'duration={result.span.duration:.6g}'
-        data = encode_table(result.rows, result.span.start_ns, frame)
+        data = encode_table(result.rows, result.span.start_ns, FRAME)
         self._tables[result.name].publish(data)
         self._log.write(f'gear_pair/{result.name}', TABLE, data)
 
