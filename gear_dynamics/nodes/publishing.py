@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rclpy.publisher import Publisher
+from rclpy.qos import HistoryPolicy
 
 from gear_dynamics.bag.messages import message_class, serialize
 
@@ -11,14 +12,15 @@ def try_publish(publisher: Publisher, data: bytes) -> bool:
     """Publish serialized bytes; return whether the middleware took them.
 
     With a keep-all history, a listener that is too far behind makes the middleware refuse a
-    message after a while (100 ms); it may be published again then.
+    message after a while (100 ms); it may be published again then. Any other failure is raised.
     """
     try:
         publisher.publish(data)
     except Exception as error:  # RCLError is a private class of the extension
-        if 'publish' not in str(error):
-            raise
-        return False
+        keep_all = publisher.qos_profile.history == HistoryPolicy.KEEP_ALL
+        if keep_all and 'cannot publish data' in str(error):
+            return False
+        raise
     return True
 
 
