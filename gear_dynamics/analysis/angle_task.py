@@ -53,11 +53,6 @@ class AngleTask:
         self._resampler: AngularResampler | None = None
         self.restarts = 0
 
-    @property
-    def tracks(self) -> bool:
-        """Whether the speed allows order tracking."""
-        return self._resampler is not None
-
     def push(
         self, channels: np.ndarray, phase: np.ndarray, first: int, gear_lead: int
     ) -> Iterator[Orders | WheelAverage]:
