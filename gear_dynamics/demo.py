@@ -117,8 +117,9 @@ def stream(folder: Path, duration: float) -> Streamed:
     DemoError
         If ROS is missing, or a process ends or does not begin to stream.
     """
-    # A domain of its own on this machine alone, so that it meets no other system.
-    os.environ['ROS_DOMAIN_ID'] = str(1 + os.getpid() % 101)
+    # On this machine alone and, unless one is given, in a domain that hardly anyone uses, so that
+    # it meets no other system.
+    os.environ.setdefault('ROS_DOMAIN_ID', str(216 + os.getpid() % 16))
     os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
     sim = Child('sim', folder, {})
     analyzer = Child('analyzer', folder, {'log_directory': folder})

@@ -14,11 +14,11 @@ from gear_dynamics.demo import Child, DemoError
 from gear_dynamics.demo_report import mesh_frequency
 
 
-def start(folder):
+def start(folder, domain):
     return subprocess.Popen(
         [sys.executable, '-m', 'gear_dynamics.demo'],
         cwd=folder,
-        env={**os.environ, 'PYTHONPATH': str(ROOT), 'PYTHONUNBUFFERED': '1'},
+        env={**ros_support.environment(domain), 'PYTHONPATH': str(ROOT)},
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
@@ -26,9 +26,8 @@ def start(folder):
     )
 
 
-@pytest.mark.usefixtures('domain')
-def test_demo_streams_logs_and_tells_what_happened(tmp_path):
-    demo = start(tmp_path)
+def test_demo_streams_logs_and_tells_what_happened(domain, tmp_path):
+    demo = start(tmp_path, domain)
     said = demo.communicate(timeout=280)[0]
     assert demo.returncode == 0, said
     # 15 s of 51 200 samples/s in blocks of 512
@@ -42,9 +41,8 @@ def test_demo_streams_logs_and_tells_what_happened(tmp_path):
     assert picture.read_bytes().startswith(b'\x89PNG')
 
 
-@pytest.mark.usefixtures('domain')
-def test_interrupted_demo_ends_with_its_processes(tmp_path):
-    demo = start(tmp_path)
+def test_interrupted_demo_ends_with_its_processes(domain, tmp_path):
+    demo = start(tmp_path, domain)
     said = tmp_path / 'demo' / 'sim.txt'
     ros_support.wait_until(lambda: said.exists() and 'streaming' in said.read_text(), 120)
     os.killpg(demo.pid, signal.SIGINT)  # what Ctrl-C does
