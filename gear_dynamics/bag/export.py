@@ -51,7 +51,7 @@ def export(
     Raises
     ------
     LogError
-        If there is no such log or topic.
+        If there is no such log or topic, or there is nothing in it.
     OSError
         If the files cannot be written.
     """
@@ -67,6 +67,8 @@ def export(
                 file = folder / f'{name.strip("/").replace("/", "_")}.{file_format}'
                 write(file, _same_type(log, name, dtype), dtype, count)
                 files.append(file)
+    if not files:
+        raise LogError('the log has nothing that could be exported')
     return files
 
 

@@ -55,6 +55,8 @@ class Log:
                 source = McapSource(file, self.damaged)
                 self._stack.callback(source.close)
                 self.sources.append(source)
+            if all(source.foreign for source in self.sources):
+                raise LogError(f'{self.sources[0].path}: this is no MCAP file')
         except BaseException:
             self.close()
             raise

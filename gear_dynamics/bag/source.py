@@ -119,6 +119,15 @@ class McapSource:
         """Close the file."""
         os.close(self.file)
 
+    @property
+    def foreign(self) -> bool:
+        """Whether neither its first bytes nor any others are those of an MCAP file."""
+        return (
+            self.summary is None
+            and os.pread(self.file, len(MCAP0_MAGIC), 0) != MCAP0_MAGIC
+            and find_chunk(self.file, 0, self.size) is None
+        )
+
     def _known_records(self) -> list[Schema | Channel]:
         if self.summary is None:
             return []
@@ -231,6 +240,9 @@ class McapSource:
     def records(self) -> Iterator[tuple[int, int, bytes]]:
         """Walk over the records of the data section: offset, opcode, content; skips damage."""
         at = len(MCAP0_MAGIC)
+        if self.foreign:
+            self._damaged(0, 'this is no MCAP file')
+            return
         if os.pread(self.file, at, 0) != MCAP0_MAGIC:
             self._damaged(0, 'the file does not begin as an MCAP file')
         while at < self.size:

@@ -144,6 +144,15 @@ def columns_of(file):
     }
 
 
+def test_a_log_of_which_nothing_is_left_gives_exit_code_2(folder, capsys):
+    (file,) = folder.glob('*.mcap')
+    file.write_bytes(file.read_bytes()[:20])
+    for verb in ('info', 'export'):
+        assert main([verb, str(file)]) == 2
+        *_, last = capsys.readouterr().err.splitlines()
+        assert last.startswith(('log: nothing in the log', 'log: the log has nothing'))
+
+
 def sine_log(tmp_path, blocks):
     """Log of a run whose gear vibrates at the mesh frequency, with its configuration."""
     text = configuration_text(gd.GearPair(), SimSettings())
@@ -197,6 +206,8 @@ def test_the_spectrum_of_the_report_is_calibrated(tmp_path):
     ('arguments', 'words'),
     [
         (['info', 'nowhere'], 'nowhere: there is no such file or folder'),
+        (['info', 'JUNK'], 'junk: this is no MCAP file'),
+        (['export', 'JUNK'], 'junk: this is no MCAP file'),
         (['export', 'LOG', '--topic', 'x'], "there is no topic 'x'"),
         (['plot', 'LOG'], 'fewer than 8192 samples in a row'),
         (['plot', 'LOG', '--output', '/proc/nothing/x.png'], 'fewer than'),
@@ -205,7 +216,8 @@ def test_the_spectrum_of_the_report_is_calibrated(tmp_path):
     ],
 )
 def test_errors_are_one_line_and_exit_code_2(folder, capsys, arguments, words):
-    given = [str(folder) if a == 'LOG' else a for a in arguments]
+    (junk := folder.parent / 'junk').write_text('no log')
+    given = [{'LOG': str(folder), 'JUNK': str(junk)}.get(a, a) for a in arguments]
     assert main(given) == 2
     out, err = capsys.readouterr()
     lines = [line for line in err.splitlines() if not line.startswith('exporting')]

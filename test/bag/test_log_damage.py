@@ -9,6 +9,7 @@ import pytest
 from mcap.reader import make_reader
 from mcap.records import Chunk, Message
 from mcap.stream_reader import StreamReader, breakup_chunk
+from mcap.writer import MCAP0_MAGIC
 from rosbags.rosbag2 import Reader
 
 import gear_dynamics.bag.mcap_file
@@ -171,15 +172,27 @@ def test_a_cut_and_damaged_log_is_read_behind_the_damage(tmp_path, compression, 
     assert damage[0].offset == index.chunk_start_offset
 
 
-@pytest.mark.parametrize('content', [b'', b'\x89MCAP0\r\n', b'no log at all' * 100, bytes(10_000)])
+@pytest.mark.parametrize('content', [b'', MCAP0_MAGIC, b'no log at all' * 100, bytes(10_000)])
 def test_what_is_no_log_is_refused_in_one_line(tmp_path, content):
     file = tmp_path / 'no.mcap'
     file.write_bytes(content)
-    assert log_info(file).messages == 0
-    for action in (read_quietly, lambda path: recover(path, tmp_path / 'new')):
+    actions = [read_quietly, lambda path: recover(path, tmp_path / 'new')]
+    begins_as_one = content == MCAP0_MAGIC
+    for action in actions if begins_as_one else [*actions, log_info]:
         with pytest.raises(LogError) as caught:
             action(file)
         assert '\n' not in str(caught.value)
+        assert begins_as_one or str(caught.value) == f'{file}: this is no MCAP file'
+
+
+def test_an_empty_file_among_others_is_told_and_left_out(tmp_path):
+    """A power cut may leave one at the end."""
+    published = bag_support.messages(30)
+    folder = bag_support.write_log(tmp_path, published)
+    (folder / f'{folder.name}_1.mcap').touch()
+    found, damage = read_all(folder)
+    assert found == [message.data for message in published]
+    assert [str(each) for each in damage] == [f'{folder.name}_1.mcap, byte 0: this is no MCAP file']
 
 
 def test_a_chunk_that_claims_too_much_is_not_tried(tmp_path, monkeypatch):

@@ -7,6 +7,7 @@ import datetime
 from collections.abc import Iterator
 
 from gear_dynamics.bag.info import LogInfo, TopicInfo, log_info
+from gear_dynamics.bag.source import LogError
 
 GAPS_SHOWN = 10
 
@@ -18,7 +19,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print it."""
-    print('\n'.join(lines(log_info(arguments.log))))
+    info = log_info(arguments.log)
+    print('\n'.join(lines(info)))
+    if not (info.whole or info.messages or info.configurations):
+        raise LogError('nothing in the log can be read')
     return 0
 
 
