@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import collections
 import math
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -11,7 +12,7 @@ from scipy import fft
 
 from gear_dynamics.analysis.phase_stream import AngularResampler
 from gear_dynamics.analysis.time_tasks import SpectrumTask
-from gear_dynamics.analysis.wheel_task import WheelAverage, WheelTask
+from gear_dynamics.analysis.wheel_task import Past, WheelAverage, WheelTask
 from gear_dynamics.configuration import Rig
 from gear_dynamics.model.columns import CHANNELS
 from gear_dynamics.settings import AnalyzerSettings
@@ -38,20 +39,26 @@ class Orders(NamedTuple):
 class AngleTask:
     """Resample by phase and keep everything that counts in revolutions.
 
-    Begins anew, and counts it in `restarts`, when the speed has changed so much that the points
+    Begins anew, and counts it by reason, when the speed has changed so much that the points
     in a cycle no longer suit it, when the shaft stops, and when it turns back.
 
     Parameters
     ----------
     settings : AnalyzerSettings
     rig : Rig
+    restarts : Counter
+        Where each new beginning is counted.
     """
 
-    def __init__(self, settings: AnalyzerSettings, rig: Rig) -> None:
+    def __init__(
+        self, settings: AnalyzerSettings, rig: Rig, restarts: collections.Counter[str]
+    ) -> None:
         self._settings = settings
         self._rig = rig
         self._resampler: AngularResampler | None = None
-        self.restarts = 0
+        self._restarts = restarts
+        # What NA4 and NB4 know of the past outlives a change of the points in a cycle.
+        self._past = {wheel: Past() for wheel in ('pinion', 'gear')}
 
     def push(
         self, channels: np.ndarray, phase: np.ndarray, first: int, gear_lead: int
@@ -69,11 +76,11 @@ class AngleTask:
             Whole cycles by which the gear's own count is ahead.
         """
         if len(phase) < 2 or not np.all(np.diff(phase) > 0):
-            self._stop()
+            self._stop('the shaft does not turn forward')
             return
         cycles_per_sample = float(phase[-1] - phase[0]) / (len(phase) - 1)
         if not self._suits(cycles_per_sample):
-            self._stop()
+            self._stop('change of speed')
             self._start(cycles_per_sample, gear_lead)
         if self._resampler is None:
             return
@@ -91,8 +98,9 @@ class AngleTask:
         density = points * cycles_per_sample
         return density >= LEAST_DENSITY and (density <= GREATEST_DENSITY or points == FEWEST_POINTS)
 
-    def _stop(self) -> None:
-        self.restarts += self._resampler is not None
+    def _stop(self, reason: str) -> None:
+        if self._resampler is not None:
+            self._restarts[reason] += 1
         self._resampler = None
 
     def _start(self, cycles_per_sample: float, gear_lead: int) -> None:
@@ -109,8 +117,8 @@ class AngleTask:
         longest = self._settings.average_longest * self._rig.sample_rate
         columns = len(CHANNELS) + 1
         self._wheels = (
-            WheelTask('pinion', z1, z2, points, 0, columns, longest),
-            WheelTask('gear', z2, z1, points, gear_lead, columns, longest),
+            WheelTask('pinion', z1, z2, points, 0, columns, longest, self._past['pinion']),
+            WheelTask('gear', z2, z1, points, gear_lead, columns, longest, self._past['gear']),
         )
 
     def _orders(self, rows: np.ndarray) -> Iterator[Orders]:

@@ -45,7 +45,7 @@ class Health:
     gaps, missing : int
         Gaps between blocks, and samples missing in them.
     restarts : Counter
-        Times that the analysis began anew, by reason.
+        Times that the analysis, or a part of it, began anew, by reason.
     dropped : Counter
         Messages that were not used, by kind of fault.
     last_fault : str
@@ -190,7 +190,9 @@ class Monitor:
         if order is Order.GAP:
             self.health.gaps += 1
             self.health.missing += self._check.missing
-        self._record = Record(self._settings, self._rig, self._thresholds, stamp_ns)
+        self._record = Record(
+            self._settings, self._rig, self._thresholds, stamp_ns, self.health.restarts
+        )
 
 
 def _basis(rig: Rig) -> Rig:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import collections
 import math
 from collections.abc import Iterator
 
@@ -44,7 +45,10 @@ BATCH = 0.02
 """Seconds of samples that are worked on at once."""
 
 EXACT = 'exact, from events'
-INTERPOLATED = 'interpolated between samples: delta to (w h)^4 / 384, delta_dot to (w h)^3 / 125'
+INTERPOLATED = (
+    'interpolated between samples: delta to (w h)^4 / 384, delta_dot to (w h)^3 / 125 '
+    'between changes of contact'
+)
 """What the states of a section are; w is the angular frequency of the motion, h the step."""
 
 
@@ -58,10 +62,17 @@ class Record:
     thresholds : Thresholds
     start_ns : int
         Stamp of the first sample [ns].
+    restarts : Counter
+        Where work that begins anew within the record is counted, by reason.
     """
 
     def __init__(
-        self, settings: AnalyzerSettings, rig: Rig, thresholds: Thresholds, start_ns: int
+        self,
+        settings: AnalyzerSettings,
+        rig: Rig,
+        thresholds: Thresholds,
+        start_ns: int,
+        restarts: collections.Counter[str],
     ) -> None:
         self._settings = settings
         self._thresholds = thresholds
@@ -80,9 +91,10 @@ class Record:
         high = min(settings.envelope_high, self._rate / 2)
         self._envelope = EnvelopeTask(length, self._rate, settings.envelope_low, high)
         self._last: np.ndarray | None = None
+        self._restarts = restarts
         self._source = ''
         self._spread = Spread(self._rate)
-        self.angle = AngleTask(settings, rig)
+        self.angle = AngleTask(settings, rig, restarts)
         self.rig = rig
 
     def use(self, rig: Rig) -> None:
@@ -142,7 +154,7 @@ class Record:
             # States of different accuracy are not judged together.
             self._source = source
             self._section = SectionTask(
-                self._settings.regime_cycles, self._settings.recurrence_tolerance
+                self._settings.regime_cycles, self._settings.recurrence_tolerance, self._restarts
             )
         results: list[Result] = []
         for motion in self._section.push(section, self._spread.over):

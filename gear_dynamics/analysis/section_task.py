@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import collections
 import math
 from collections.abc import Callable
 from typing import NamedTuple
@@ -50,14 +51,16 @@ class SectionTask:
         States in a record.
     tolerance : float
         Greatest distance that counts as recurrence, in standard deviations of delta and delta_dot.
+    restarts : Counter
+        Where a record that is given up is counted.
     """
 
-    def __init__(self, cycles: int, tolerance: float) -> None:
+    def __init__(self, cycles: int, tolerance: float, restarts: collections.Counter[str]) -> None:
         self._cycles = cycles
         self._tolerance = tolerance
         self._states = np.empty(cycles, SECTION)
         self._filled = 0
-        self.restarts = 0
+        self._restarts = restarts
 
     @property
     def start(self) -> float:
@@ -82,7 +85,7 @@ class SectionTask:
         ):
             if self._filled and len(run) and not self._follows(run[0]['cycle']):
                 self._filled = 0
-                self.restarts += 1
+                self._restarts['states of the section that do not follow'] += 1
             while len(run):
                 taken = min(len(run), self._cycles - self._filled)
                 self._states[self._filled : self._filled + taken] = run[:taken]

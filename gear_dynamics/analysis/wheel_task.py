@@ -49,6 +49,14 @@ class WheelAverage(NamedTuple):
     notes: list[str]
 
 
+class Past:
+    """What NA4 and NB4 keep of the averages so far."""
+
+    def __init__(self) -> None:
+        self.na4 = indicators.RunningKurtosis()
+        self.nb4 = indicators.RunningKurtosis()
+
+
 class WheelTask:
     """Average the revolutions of a wheel over a hunting-tooth period, again and again.
 
@@ -66,6 +74,8 @@ class WheelTask:
         Columns of a row; the last is the sample number, which is not averaged.
     longest : float
         Samples that a record may have; a longer hunting-tooth period is cut to whole revolutions.
+    past : Past
+        Of the same wheel.
     """
 
     def __init__(
@@ -77,6 +87,7 @@ class WheelTask:
         lead: int,
         columns: int,
         longest: float,
+        past: Past,
     ) -> None:
         self._wheel = wheel
         self._teeth, self._other = teeth, other_teeth
@@ -88,8 +99,7 @@ class WheelTask:
         self._sum = np.zeros((self._points, columns - 1))
         self._count = 0
         self._first = 0.0
-        self._na4 = indicators.RunningKurtosis()
-        self._nb4 = indicators.RunningKurtosis()
+        self._past = past
 
     def push(self, first: int, rows: np.ndarray) -> Iterator[WheelAverage]:
         """Take rows at the points `first`, `first` + 1, ...; yield the averages completed."""
@@ -136,8 +146,8 @@ class WheelTask:
             'fm0': indicators.fm0(average, teeth),
             'side_band_index': indicators.side_band_index(average, teeth),
             'side_band_level_factor': indicators.side_band_level_factor(average, teeth),
-            'na4': np.where(residual, self._na4.add(parts.residual), math.nan),
-            'nb4': np.where(modulated, self._nb4.add(envelope), math.nan),
+            'na4': np.where(residual, self._past.na4.add(parts.residual), math.nan),
+            'nb4': np.where(modulated, self._past.nb4.add(envelope), math.nan),
             **_of_difference(parts, difference),
         }
         notes = [

@@ -126,6 +126,22 @@ def test_orders_stay_put_on_a_ramp():
         assert each.rows['gear_ax'].max() == pytest.approx(5, rel=1e-3)
 
 
+def test_a_large_change_of_speed_begins_the_angular_work_anew_and_keeps_the_past_of_na4():
+    # The same waveform by angle at full and at half speed: once in a hunting-tooth period a lobe
+    # of the pinion, whose depth grows threefold with the change.
+    angle = np.concatenate([rotation(4.0), rotation(8.0, start=52.36, turned=104.72 * 4.0)])
+    depth = np.where(angle < 104.72 * 4.0, 1.0, 3.0)
+    made = monitor()
+    results = fed(
+        made, blocks(samples(angle, mesh_force=depth * np.cos(5 * angle) + np.cos(34 * angle)))
+    )
+    assert made.health.restarts == {'change of speed': 1}
+    na4 = [row.values['pinion_na4'] for _, row in rows(results, 'mesh_force', 'pinion_na4')]
+    # Fourth moment 3/8 A^4 over the square of the mean of A^2 / 2 so far, A being 1, then 3.
+    assert na4[0] == pytest.approx(1.5, rel=1e-3)
+    assert na4[1] == pytest.approx(1.5 * 3**4 / ((1 + 3**2) / 2) ** 2, rel=1e-3)
+
+
 def test_a_gap_begins_anew_and_no_result_reaches_across(steady):
     made = monitor()
     stream = list(blocks(steady[0]))
