@@ -7,8 +7,9 @@ from scipy.interpolate import CubicHermiteSpline
 
 from gear_dynamics.model.columns import EventKind
 
-POINCARE = np.dtype([(name, np.float32) for name in ('x', 'y', 'z', 'cycle')])
-"""A point of the section: delta / b, delta_dot / (b wn), 0, and the mesh cycle."""
+POINCARE = np.dtype([*((name, np.float32) for name in ('x', 'y', 'z')), ('cycle', np.float64)])
+"""A point of the section: delta / b, delta_dot / (b wn), 0, and the mesh cycle; a float32 could
+not tell one cycle from the next after a few hours."""
 
 SECTION = np.dtype([(name, np.float64) for name in ('t', 'delta', 'delta_dot', 'cycle')])
 """A state on the section: time [s], delta [m], delta_dot [m/s], mesh phase [cycles]."""
@@ -44,8 +45,8 @@ def section_by_phase(
     delta_dot of both samples, in error by at most h^4 / 384 max|d4 delta / dt4| for step h, and
     delta_dot its derivative, in error by at most sqrt(3) h^3 / 216 max|d4 delta / dt4| (Birkhoff
     and Priver 1967): of an oscillation with w h = 0.3 these are 2e-5 and 2e-4 of the amplitude.
-    A step that holds an impact or a change of the number of tooth pairs has no such bound; there
-    the error is of second order in h for delta.
+    That holds between changes of contact: a step with an impact or with a change of the number of
+    tooth pairs has no such bound, and there the error is of second order in h for delta.
 
     Parameters
     ----------
