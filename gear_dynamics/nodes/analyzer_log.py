@@ -38,6 +38,7 @@ class AnalyzerLog:
     def __init__(self, node: Node, settings: AnalyzerSettings) -> None:
         self._node = node
         self._names: dict[str, str] = {}
+        self._overflows = 0
         self._configuration = {'analyzer': _analysis_text(settings)}
         self._writer = None
         if settings.log:
@@ -52,7 +53,7 @@ class AnalyzerLog:
             )
             status = self._writer.status()
             if status.reason:
-                node.get_logger().error(f'not logging: {status.reason}')
+                node.get_logger().error(f'not logging; see log_directory: {status.reason}')
             else:
                 node.get_logger().info(f'logging to {status.path}')
 
@@ -95,19 +96,21 @@ class AnalyzerLog:
         }
         if status.state != 'writing':
             return Report(Level.ERROR, f'not logging: {status.reason}', values)
-        if status.overflows:
-            return Report(Level.WARN, f'{status.overflows} messages came too fast', values)
+        fresh = status.overflows - self._overflows
+        self._overflows = status.overflows
+        if fresh:
+            return Report(Level.WARN, f'{fresh} messages came too fast', values)
         if status.syncing > SLOW_SYNC:
-            return Report(Level.WARN, f'the disk has been syncing for {status.syncing:.1f} s', values)
+            return Report(Level.WARN, f'the disk syncs for {status.syncing:.1f} s already', values)
         return Report(Level.OK, 'logging', values)
 
     def close(self) -> None:
         """Finish the log with index and metadata."""
         if self._writer is not None:
             status = self._writer.close()
-            if status.reason:
+            if status.reason and status.messages:
                 self._node.get_logger().error(f'the log is not whole: {status.reason}')
-            else:
+            elif not status.reason:
                 self._node.get_logger().info(f'{status.messages} messages in {status.path}')
 
 

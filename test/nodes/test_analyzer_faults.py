@@ -113,7 +113,9 @@ def test_a_log_directory_that_cannot_be_written_is_an_error_and_analysis_goes_on
         ros_support.wait_until(lambda: spectra, 60, 'a spectrum')
         status = ros_support.wait_until(lambda: latest(diagnostics, 'gear_analyzer: log'))
         assert analyzer.stop() == 0
-        assert 'not logging' in analyzer.output
+        errors = [line for line in analyzer.output.splitlines() if '[ERROR]' in line]
+    assert len(errors) == 1
+    assert 'not logging; see log_directory' in errors[0]
     assert status.level == 2
     assert str(tmp_path / 'file') in status.message
 
