@@ -51,6 +51,12 @@ def source(tmp_path_factory):
     return copy
 
 
+def test_launchers_are_one_script_under_the_name_of_each_executable():
+    launchers = list((ROOT / 'launchers').iterdir())
+    assert {path.name for path in launchers} == set(EXECUTABLES)
+    assert len({path.read_bytes() for path in launchers}) == 1
+
+
 def assert_installed(prefix):
     """What `ros2 run` and `ros2 launch` look for is below the prefix."""
     for name in EXECUTABLES:
