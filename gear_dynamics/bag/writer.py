@@ -33,7 +33,7 @@ class LogStatus:
     Attributes
     ----------
     state : str
-        'writing', 'stopped' (it tries again by itself), or 'off' (closed).
+        'writing', 'stopped' (it tries again by itself), or 'off' (closed, or failed for good).
     reason : str
         Why it stopped; empty while writing.
     path : str
@@ -231,6 +231,14 @@ class LogWriter:
 
     def _run(self) -> None:
         """Write until closed; the only place that touches the folder once the thread runs."""
+        try:
+            self._write_all()
+        except Exception as error:  # told by `status`: a thread that dies tells nobody
+            with self._condition:
+                self._closing = True
+                self._reason = f'the writer failed: {type(error).__name__}: {error}'
+
+    def _write_all(self) -> None:
         self._deadline = time.monotonic() + SYNC_INTERVAL
         while self._wait():
             for _ in range(len(self._queue)):
@@ -265,10 +273,10 @@ class LogWriter:
             return
         with self._condition:
             self._queued_bytes -= len(item.data)
-        if self._reason is not None:
-            self._dropped += 1
-        else:
-            self._messages += 1
+            stopped = self._reason is not None
+            self._dropped += stopped
+            self._messages += not stopped
+        if not stopped:
             self._guard(self._folder.write, *item)
 
     def _open(self) -> None:
@@ -305,6 +313,7 @@ class LogWriter:
     def _lose(self, reason: str) -> None:
         """Give up the chunk in progress, which the disk refused."""
         lost = self._folder.give_up()
-        self._dropped += lost
-        self._messages -= lost
-        self._reason = reason
+        with self._condition:
+            self._dropped += lost
+            self._messages -= lost
+            self._reason = reason

@@ -18,6 +18,7 @@ from rosbags.interfaces import QosDurability, QosReliability
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_typestore
 
+import gear_dynamics.bag.folder
 import gear_dynamics.bag.writer
 from gear_dynamics.bag.info import log_info
 from gear_dynamics.bag.messages import MessageError
@@ -220,6 +221,22 @@ def test_an_overflow_is_counted(tmp_path, monkeypatch):
     assert status.dropped == status.overflows
     assert status.messages + status.dropped == len(published)
     assert log_info(status.path).messages == status.messages
+
+
+def test_a_writer_that_fails_says_why(tmp_path, monkeypatch):
+    def fail(*arguments):
+        raise RuntimeError('out of ideas')
+
+    published = bag_support.messages(3)
+    monkeypatch.setattr(gear_dynamics.bag.folder.BagFolder, 'write', fail)
+    writer = LogWriter(tmp_path, {}, free_floor=0.0)
+    bag_support.hand_in(writer, published[0])
+    writer._thread.join(20)
+    status = writer.status()
+    assert (status.state, status.reason) == ('off', 'the writer failed: RuntimeError: out of ideas')
+    for message in published[1:]:
+        bag_support.hand_in(writer, message)
+    assert writer.close().dropped == len(published) - 1
 
 
 def test_a_wrong_type_topic_or_option_is_refused(tmp_path):
