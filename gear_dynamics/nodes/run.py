@@ -14,6 +14,7 @@ from typing import Any, Protocol, runtime_checkable
 import rclpy
 from rclpy.exceptions import ParameterException
 from rclpy.executors import Executor, SingleThreadedExecutor
+from rclpy.logging import LoggingSeverity, set_logger_level
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
@@ -155,11 +156,14 @@ def _check_parameter_files(arguments: Sequence[str]) -> None:
 
 def _start_ros(name: str, arguments: list[str]) -> None:
     use_profile()
+    # What is wrong with an argument is told below; a second line by rcl would add nothing.
+    set_logger_level('rcl', LoggingSeverity.FATAL)
     try:
         rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
         left = remove_ros_args(arguments)
     except Exception as error:  # RCLError and its kin are private classes of the extension
         raise ParameterError(_first_cause(str(error))) from error
+    set_logger_level('rcl', LoggingSeverity.UNSET)
     if left:
         rclpy.try_shutdown()
         raise ParameterError(f'{left[0]} is not an argument; see {name} --help')
