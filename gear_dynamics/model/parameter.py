@@ -64,7 +64,8 @@ class Parameter:
         if self.minimum is None or self.maximum is None:
             return kind
         unit = f' {self.unit}' if self.unit else ''
-        return f'{kind} from {self.minimum:g} to {self.maximum:g}{unit}'
+        form = '.0f' if isinstance(self.default, int) else 'g'
+        return f'{kind} from {self.minimum:{form}} to {self.maximum:{form}}{unit}'
 
     def check(self, value: Any) -> Value:
         """Return `value` in the parameter's own type.

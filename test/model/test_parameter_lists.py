@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.parameter import ParameterError, ParameterSet, parameter
+from gear_dynamics.model.parameter import Parameter, ParameterError, ParameterSet, parameter
 from gear_dynamics.model.run_settings import RunSettings
 
 LISTS = [GearPair, RunSettings]
@@ -134,3 +134,8 @@ def test_list_and_text_parameters():
             Names(names=wrong)
     with pytest.raises(ParameterError, match='title is 3: it must be a text'):
         Names(title=3)
+
+
+def test_the_limits_of_an_integer_are_written_whole():
+    most = Parameter('n', 512, 'samples', minimum=64, maximum=1048576)
+    assert most.allowed() == 'an integer from 64 to 1048576'
