@@ -102,7 +102,10 @@ def _draw_spectrum(axes: Axes, segments: Segments, channel: str, mesh: float | N
             axes.axvline(harmonic * mesh, color='tab:orange', linewidth=0.7, label=label)
             label = ''
     inside = (segments.frequency <= top) & (segments.frequency > 0)
-    axes.semilogy(segments.frequency[inside], spectrum[inside], linewidth=0.8)
+    lines = spectrum[inside]
+    if lines.any():  # a logarithm has no place for a channel that stands still
+        axes.set_yscale('log')
+    axes.plot(segments.frequency[inside], lines, linewidth=0.8)
     if mesh:
         axes.legend(fontsize='small', loc='lower right')
     axes.set(
@@ -150,15 +153,17 @@ def _draw_indicators(
 ) -> None:
     """Draw the logged indicators, or RMS and kurtosis where none were logged."""
     axes.set(title=f'Indicators of {channel}, each over its median', xlabel='time [s]')
-    axes.set_yscale('log')
     axes.grid(alpha=0.3)
     curves = indicators or {
         'rms': np.column_stack([segments.t, segments.rms]),
         'kurtosis': np.column_stack([segments.t, segments.kurtosis]),
     }
     for name, points in curves.items():
+        points = points[points[:, 1] > 0]
         if len(points):
             median = np.median(points[:, 1])
             label = f'{name} ({median:.3g})'
             axes.plot(points[:, 0], points[:, 1] / median, '.-', linewidth=0.8, label=label)
-    axes.legend(fontsize='small', ncols=2)
+    if axes.lines:
+        axes.set_yscale('log')
+        axes.legend(fontsize='small', ncols=2)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+import math
+import numbers
 from collections.abc import Callable, Collection, Iterator, Sequence
 from pathlib import Path
 
@@ -95,6 +97,8 @@ def iter_rows(
     columns: Sequence[str] | None = None,
 ) -> Iterator[np.ndarray]:
     """Iterate over the messages of a topic as structured arrays; arguments as for `read_log`."""
+    _check_range(start, end)
+    _check_columns(columns)
     name = log.resolve(topic)
     # A time range needs t even where it is not asked for.
     hidden = columns is not None and 't' not in columns and (start, end) != (None, None)
@@ -152,7 +156,8 @@ def read_log(
     Raises
     ------
     LogError
-        If there is no such file, topic or column, or nothing can be read.
+        If there is no such file, topic or column, nothing can be read, or an argument is of no
+        use.
     """
     with Log(path) as log:
         blocks = iter_rows(log, topic, start, end, columns)
@@ -174,6 +179,17 @@ def read_log(
             filled += len(block)
         rows.resize(filled, refcheck=False)
         return rows
+
+
+def _check_range(start: float | None, end: float | None) -> None:
+    for name, value in (('start', start), ('end', end)):
+        if value is not None and (not isinstance(value, numbers.Real) or math.isnan(value)):
+            raise LogError(f'{name} is {value!r}: it must be a number of seconds')
+
+
+def _check_columns(columns: Sequence[str] | None) -> None:
+    if columns is not None and (isinstance(columns, str) or not len(columns)):
+        raise LogError(f"columns is {columns!r}: it must be a list of names, as ['mesh_force']")
 
 
 def _expected_rows(log: Log, name: str, block: int, start: float | None, end: float | None) -> int:

@@ -187,6 +187,13 @@ def test_plot_draws_a_report(tmp_path, capsys):
     assert picture[..., :3].std() > 0.05
 
 
+def test_plot_of_a_constant_channel_says_nothing(tmp_path, recwarn, capsys):
+    pytest.importorskip('matplotlib')
+    assert main(['plot', str(sine_log(tmp_path, 40)), '--channel', 'mesh_force']) == 0
+    assert capsys.readouterr().err == ''
+    assert not recwarn.list
+
+
 def test_the_spectrum_of_the_report_is_calibrated(tmp_path):
     from gear_dynamics.bag.log import Log
     from gear_dynamics.bag.report import find_rig, gather_segments

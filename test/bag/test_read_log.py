@@ -196,6 +196,10 @@ def test_a_log_that_is_being_written_is_read_so_far(folder, tmp_path):
         ({'columns': ['force']}, "no column 'force'; there are t, pinion_ax"),
         ({'path': 'nowhere'}, 'nowhere: there is no such file'),
         ({'path': []}, 'no log was given'),
+        ({'start': 'a'}, "start is 'a': it must be a number of seconds"),
+        ({'end': float('nan')}, 'end is nan: it must be'),
+        ({'columns': 'delta'}, "columns is 'delta': it must be a list of names"),
+        ({'columns': []}, r'columns is \[\]: it must be'),
     ],
 )
 def test_what_is_not_there_is_named(folder, arguments, words):
