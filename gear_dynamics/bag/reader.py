@@ -14,6 +14,7 @@ from numpy.lib.recfunctions import repack_fields
 from gear_dynamics.bag.log import Log, LogPath, message_time, warn_of
 from gear_dynamics.bag.rows import row_reader
 from gear_dynamics.bag.source import Damage, LogChannel, LogError
+from gear_dynamics.bag.time_range import log_time_range
 
 _ROWS_AT_FIRST = 1 << 16
 
@@ -106,7 +107,7 @@ def iter_rows(
     origin = log.origin()
     low = -np.inf if start is None else start
     high = np.inf if end is None else end
-    for source, message in log.messages([name]):
+    for source, message in log.messages([name], *log_time_range(log, name, reader, low, high)):
         try:
             t = (message_time(message) - origin) * 1e-9
             rows = reader.read(message.data, t, low, high)

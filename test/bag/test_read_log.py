@@ -1,5 +1,6 @@
 """`gd.read_log` and the message iterator against what was handed to the writer."""
 
+import dataclasses
 import tracemalloc
 
 import bag_support
@@ -8,6 +9,7 @@ import pytest
 
 import gear_dynamics as gd
 import gear_dynamics.bag.mcap_file
+import gear_dynamics.bag.source
 from gear_dynamics.bag.log import LogWarning
 from gear_dynamics.bag.messages import message_class, serialize
 from gear_dynamics.bag.reader import read_messages
@@ -65,6 +67,33 @@ def test_a_time_range_is_exact_to_the_row(folder, start, end):
     low, high = -np.inf if start is None else start, np.inf if end is None else end
     expected = whole[(whole['t'] >= low) & (whole['t'] < high)]
     np.testing.assert_array_equal(gd.read_log(folder, start=start, end=end), expected)
+
+
+@pytest.mark.parametrize('lateness', ['steady', 'growing'])
+def test_a_part_of_a_long_log_is_found_without_reading_it_all(tmp_path, monkeypatch, lateness):
+    second = 1_000_000_000
+    published = [
+        dataclasses.replace(
+            m, log_time=m.log_time + (m.publish_time - bag_support.START) * (lateness == 'growing')
+        )
+        for m in bag_support.messages(1000, step=second)
+    ]
+    monkeypatch.setattr(gear_dynamics.bag.mcap_file, 'CHUNK_SIZE', 8192)
+    folder = bag_support.write_log(tmp_path, published)
+    whole = gd.read_log(folder)
+    read = []
+    unpack = gear_dynamics.bag.source.unpack_chunk
+    monkeypatch.setattr(
+        gear_dynamics.bag.source, 'unpack_chunk', lambda data: read.append(1) or unpack(data)
+    )
+    gd.read_log(folder)
+    all_chunks = len(read)
+    for start, end in ((None, 10.0005), (500.0003, 502.0), (990.0, None), (2000.0, None)):
+        read.clear()
+        low, high = -np.inf if start is None else start, np.inf if end is None else end
+        expected = whole[(whole['t'] >= low) & (whole['t'] < high)]
+        np.testing.assert_array_equal(gd.read_log(folder, start=start, end=end), expected)
+        assert lateness == 'growing' or len(expected) == 0 or len(read) < all_chunks / 2
 
 
 def test_columns_are_chosen_and_ordered(folder):
