@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -16,9 +17,10 @@ from gear_dynamics.bag.tables import decode_table
 
 SCRIPT = Path(__file__).with_name('writer_process.py')
 ROOT = SCRIPT.parents[2]
-DEFAULT_RATE = 100.0
-MOMENTS = np.random.default_rng(5).uniform(0.3, 2.5, 5).tolist()
-COMPRESSIONS = ('none', 'zstd', 'lz4', 'none', 'zstd')
+DEFAULT_RATE, HIGH_RATE = 100.0, 1000.0
+MOMENTS = np.random.default_rng(5).uniform(0.3, 2.5, 20).tolist()
+COMPRESSIONS = ('none', 'zstd', 'lz4')
+AT_ONCE = 4
 
 
 def killed_writer(directory, compression, rate, moment):
@@ -37,10 +39,24 @@ def killed_writer(directory, compression, rate, moment):
     return {int(number): float(at) for number, at in complete}
 
 
-@pytest.mark.parametrize(('compression', 'moment'), list(zip(COMPRESSIONS, MOMENTS, strict=True)))
-def test_kill_loses_at_most_a_second(tmp_path, compression, moment):
-    handed_in = killed_writer(tmp_path, compression, DEFAULT_RATE, moment)
-    (folder,) = tmp_path.iterdir()
+@pytest.fixture(scope='module')
+def killed(tmp_path_factory):
+    """Return directory and what was handed in of each of some writers, run side by side."""
+    directories = [tmp_path_factory.mktemp('killed') for _ in MOMENTS]
+
+    def run(number):
+        rate = HIGH_RATE if number % 5 == 0 else DEFAULT_RATE
+        compression = COMPRESSIONS[number % len(COMPRESSIONS)]
+        return killed_writer(directories[number], compression, rate, MOMENTS[number])
+
+    with ThreadPoolExecutor(AT_ONCE) as pool:
+        return list(zip(directories, pool.map(run, range(len(MOMENTS))), strict=True))
+
+
+@pytest.mark.parametrize('number', range(len(MOMENTS)))
+def test_kill_loses_at_most_a_second(tmp_path, killed, number):
+    directory, handed_in = killed[number]
+    (folder,) = directory.iterdir()
     damage = []
     messages = list(read_messages(folder, on_damage=damage.append))
     numbers = [message.publish_time for message in messages]
