@@ -40,13 +40,14 @@ def configuration_text(pair: GearPair, settings: SimSettings) -> str:
     content = {
         'parameters': {**pair.to_mapping(), **settings.to_mapping()},
         'derived': derived,
-        'versions': {'python': platform.python_version(), **_versions()},
+        'versions': versions(),
     }
     return yaml.safe_dump(content, sort_keys=False)
 
 
-def _versions() -> dict[str, str]:
-    return {name: _version(name) for name in PACKAGES}
+def versions() -> dict[str, str]:
+    """Return the versions of Python and of PACKAGES by name."""
+    return {'python': platform.python_version(), **{name: _version(name) for name in PACKAGES}}
 
 
 def _version(name: str) -> str:

@@ -30,6 +30,7 @@ from gear_dynamics.analysis.section_task import Motion, SectionTask
 from gear_dynamics.analysis.spread import Spread
 from gear_dynamics.analysis.thresholds import Thresholds
 from gear_dynamics.analysis.time_tasks import (
+    CHOICE,
     Envelope,
     EnvelopeTask,
     SpectrumTask,
@@ -216,7 +217,11 @@ class Record:
                 'envelope_frequency': float(envelope.frequency[line]),
                 'envelope_amplitude': float(envelope.amplitude[line, index]),
             }
-            rows.append(condition_row(channel, values, self._thresholds))
+            notes = {}
+            if not math.isnan(band.kurtosis):
+                choice = min(CHOICE, count) / self._rate
+                notes['envelope_band'] = f'chosen on the last {choice:.3g} s of the span'
+            rows.append(condition_row(channel, values, self._thresholds, notes))
         table = self._table(
             'envelope_spectrum', 'frequency', first, count, envelope.frequency, envelope.amplitude
         )

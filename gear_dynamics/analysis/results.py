@@ -60,6 +60,12 @@ class ConditionResult:
 Result = TableResult | ConditionResult
 
 
+def span_of_table(table: TableResult) -> ConditionResult:
+    """Return a row that tells the duration of a table, which has no place for it."""
+    row = ConditionRow(table.name, Level.OK, f'span of {len(table.rows)} rows', {}, {})
+    return ConditionResult(table.span, (row,))
+
+
 def condition_row(
     subject: str,
     values: Mapping[str, float],

@@ -76,6 +76,11 @@ class Thresholds:
             {str(key): _limit(path, key, value) for key, value in limits.items()}, hysteresis
         )
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What has a limit."""
+        return tuple(self._limits)
+
     def level(self, channel: str, name: str, value: float) -> Level:
         """Return the level of an indicator with its new value; NaN is OK, for it says nothing."""
         key = f'{channel}/{name}'

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from diagnostic_msgs.msg import DiagnosticArray
@@ -13,7 +13,8 @@ from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import Float64, String
 
 from gear_dynamics.analysis.monitor import Monitor, warm_up
-from gear_dynamics.analysis.results import ConditionResult, Result, TableResult
+from gear_dynamics.analysis.names import check_names
+from gear_dynamics.analysis.results import ConditionResult, Result, TableResult, span_of_table
 from gear_dynamics.analysis.thresholds import ThresholdError, Thresholds
 from gear_dynamics.bag.messages import MessageError, deserialize
 from gear_dynamics.bag.tables import Table, TableError, decode_table, encode_table
@@ -50,11 +51,14 @@ class Analyzer:
     def __init__(self, node: Node, parameters: NodeParameters) -> None:
         self._node = node
         settings = parameters.get(AnalyzerSettings)
-        self._monitor = Monitor(settings, _thresholds(settings.thresholds))
+        file = _threshold_file(settings.thresholds)
+        thresholds = _thresholds(file)
+        _check_names('indicators', settings.indicators)
+        self._monitor = Monitor(settings, thresholds)
         # Whatever must be compiled or loaded is, before the first block can come.
         with compiling(node, 'the analysis'):
             warm_up()
-        self._log = AnalyzerLog(node, settings)
+        self._log = AnalyzerLog(node, settings, file.read_text(encoding='utf-8'))
         self._health = AnalyzerHealth(self._monitor.health)
         self._drops = 0
         self._make_publishers(settings)
@@ -92,13 +96,24 @@ class Analyzer:
         node.create_subscription(PointCloud2, 'gear_pair/events', self._on_events, stream, raw=True)
         for name in ('speed', 'torque'):
             self._log_only(Float64, f'gear_pair/cmd/{name}', NUMBER)
-        self._log_only(DiagnosticArray, '/diagnostics', CONDITION)
+        node.create_subscription(
+            DiagnosticArray, '/diagnostics', self._on_diagnostics, 100, raw=True
+        )
 
     def _log_only(self, message_type: type, topic: str, type_name: str) -> None:
         def take(data: bytes) -> None:
             self._log.write(topic, type_name, data)
 
         self._node.create_subscription(message_type, topic, take, 100, raw=True)
+
+    def _on_diagnostics(self, data: bytes) -> None:
+        try:
+            stamp = deserialize(data, CONDITION).header.stamp
+        except MessageError as error:
+            self._monitor.health.drop('diagnostics', f'/diagnostics: {error}')
+            return
+        stamp_ns = max(stamp.sec, 0) * 1_000_000_000 + stamp.nanosec
+        self._log.write('/diagnostics', CONDITION, data, stamp_ns)
 
     def _on_configuration(self, data: bytes) -> None:
         self._log.write('gear_pair/configuration', TEXT, data, qos=LATCHED)
@@ -154,12 +169,13 @@ class Analyzer:
     def _publish_table(self, result: TableResult) -> None:
         data = encode_table(result.rows, result.span.start_ns, FRAME)
         self._tables[result.name].publish(data)
-        self._log.write(f'gear_pair/{result.name}', TABLE, data)
+        self._log.write(f'gear_pair/{result.name}', TABLE, data, result.span.start_ns)
+        self._publish_condition(span_of_table(result))
 
     def _publish_condition(self, result: ConditionResult) -> None:
         data = condition_bytes(result, self._subject_prefix)
         self._condition.publish(data)
-        self._log.write('gear_pair/condition', CONDITION, data)
+        self._log.write('gear_pair/condition', CONDITION, data, result.span.start_ns)
         for row in result.rows:
             for name, value in row.values.items():
                 publisher = self._indicators.get(f'{row.subject}/{name}')
@@ -167,14 +183,27 @@ class Analyzer:
                     publisher.publish(Float64(data=value))
 
 
-def _thresholds(path: str) -> Thresholds:
+def _threshold_file(path: str) -> Path:
     file = Path(path).expanduser() if path else config_file('thresholds.yaml')
     if file is None:
         raise ParameterError("thresholds is '': the package's config/thresholds.yaml is missing")
+    return file
+
+
+def _thresholds(file: Path) -> Thresholds:
     try:
-        return Thresholds.from_yaml(file)
+        thresholds = Thresholds.from_yaml(file)
     except ThresholdError as error:
         raise ParameterError(f'thresholds: {error}') from error
+    _check_names(f'thresholds: {file}', thresholds.names)
+    return thresholds
+
+
+def _check_names(where: str, names: Iterable[str]) -> None:
+    try:
+        check_names(names)
+    except ValueError as error:
+        raise ParameterError(f'{where}: {error}') from error
 
 
 def main(argv: Sequence[str] | None = None) -> int:

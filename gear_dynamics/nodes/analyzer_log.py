@@ -10,6 +10,7 @@ from rclpy.node import Node
 
 from gear_dynamics.bag.metadata import OfferedQos
 from gear_dynamics.bag.writer import LogWriter
+from gear_dynamics.configuration import versions
 from gear_dynamics.nodes.diagnostics import Level, Report
 from gear_dynamics.settings import AnalyzerSettings
 
@@ -33,13 +34,19 @@ class AnalyzerLog:
     ----------
     node : rclpy.node.Node
     settings : AnalyzerSettings
+    limits : str
+        Content of the file of alarm limits.
     """
 
-    def __init__(self, node: Node, settings: AnalyzerSettings) -> None:
+    def __init__(self, node: Node, settings: AnalyzerSettings, limits: str) -> None:
         self._node = node
         self._names: dict[str, str] = {}
         self._overflows = 0
-        self._configuration = {'analyzer': _analysis_text(settings)}
+        self._configuration = {
+            'analyzer': _analysis_text(settings),
+            'thresholds': limits,
+            'versions': yaml.safe_dump(versions(), sort_keys=False),
+        }
         self._writer = None
         if settings.log:
             self._writer = LogWriter(

@@ -7,6 +7,7 @@ import pytest
 from streams import RATE, RIG, START_NS, blocks, rotation, samples
 
 from gear_dynamics.analysis.monitor import Monitor
+from gear_dynamics.analysis.names import INDICATORS, check_names
 from gear_dynamics.analysis.results import ConditionResult, TableResult
 from gear_dynamics.analysis.thresholds import Level, Limit, Thresholds
 from gear_dynamics.model.columns import CHANNELS, EVENTS, EventKind
@@ -320,6 +321,21 @@ def test_without_events_the_section_is_interpolated(steady):
     _, motion = rows(results, 'motion', 'period')[0]
     assert motion.notes['regime'] == 'period-1'
     assert 'interpolated' in motion.notes['section']
+
+
+def test_all_indicators_and_no_others_are_known_by_name(steady):
+    made = {
+        f'{row.subject}/{name}'
+        for result in steady[1]
+        if isinstance(result, ConditionResult)
+        for row in result.rows
+        for name in row.values
+    }
+    # Motion that is periodic has no Lyapunov exponent.
+    assert made | {'motion/lyapunov', 'motion/lyapunov_uncertainty'} == INDICATORS
+    check_names(['*/kurtosis', 'mesh_force/rms'])
+    with pytest.raises(ValueError, match=r"rsm' is no .* nearest is 'mesh_force/rms'"):
+        check_names(['mesh_force/rsm'])
 
 
 def test_levels_follow_the_thresholds(steady):

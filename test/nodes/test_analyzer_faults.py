@@ -4,6 +4,7 @@ import sys
 
 import numpy as np
 import ros_support
+from mcap.reader import make_reader
 
 from gear_dynamics.bag.messages import deserialize
 from gear_dynamics.bag.tables import decode_table, encode_table
@@ -60,6 +61,16 @@ def feed(client, diagnostics, messages):
         publisher.publish(data)
 
 
+def open_log(directory):
+    """The messages of the log in a directory, with the names of their types, by topic."""
+    found = {}
+    for path in directory.glob('gear_log_*/*.mcap'):
+        with path.open('rb') as file:
+            for schema, channel, message in make_reader(file).iter_messages():
+                found.setdefault(channel.topic, []).append((schema.name, message))
+    return found
+
+
 def encoded(stream):
     return [encode_table(rows, stamp, 'line_of_action') for stamp, rows in stream]
 
@@ -98,6 +109,18 @@ def test_bad_messages_and_a_gap_are_counted_and_the_node_lives(domain, client, t
     # 0.72 s each, one every 0.64 s: three to the gap at 2 s, two after it
     stamps = [(decode_table(data).stamp_ns - stream[0][0]) / 1e9 for data in spectra]
     np.testing.assert_allclose(stamps, [0, 0.64, 1.28, 2.3, 2.94], atol=1e-6)
+    log = open_log(tmp_path)
+    for topic in ('/gear_pair/spectrum', '/gear_pair/condition', '/diagnostics'):
+        messages = log[topic]
+        assert messages
+        # What bears a stamp is logged with it as the time of publication.
+        assert all(
+            publish_time == stamp.sec * 10**9 + stamp.nanosec
+            for publish_time, stamp in (
+                (each.publish_time, deserialize(each.data, name).header.stamp)
+                for name, each in messages
+            )
+        )
     assert len(warnings) == 1
     assert 'messages dropped so far, the last because' in warnings[0]
 
