@@ -23,6 +23,8 @@ from gear_dynamics.model.layout import (
     ANGLE1,
     ANGLE2,
     AX1,
+    DRIVE_TORQUE,
+    GEAR_SPEED,
     HIGH_RATE_COLUMNS,
     HIGH_RATE_DELTA,
     HIGH_RATE_SPEED,
@@ -93,7 +95,7 @@ def _decimate(weights, high, made, out):
             out[i, j] = made[j - AX1]
         out[i, SPEED] = out[i, HIGH_RATE_SPEED]
         out[i, SAMPLE_DELTA] = high[first + centre, HIGH_RATE_DELTA]
-        for j in (T, ANGLE1, ANGLE2, LOAD):
+        for j in (T, ANGLE1, ANGLE2, LOAD, GEAR_SPEED, DRIVE_TORQUE):
             out[i, j] = high[first + centre, j]
 
 
@@ -159,7 +161,7 @@ class BandLimiter:
         return self._rows[self._held : _SPAN + OVERSAMPLING * (count - 1)]
 
     def take(self, out: np.ndarray) -> None:
-        """Fill `out`, (count, 13), once the rows of `room(count)` are filled.
+        """Fill `out`, (count, HIGH_RATE_COLUMNS), once the rows of `room(count)` are filled.
 
         The result does not depend on how the stream is cut into calls, to the last bit.
         """

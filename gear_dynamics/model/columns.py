@@ -27,6 +27,10 @@ delta [m], delta_dot [m/s], angles [rad, 0 to 2 pi], pinion speed [rad/s], load 
 SAMPLES = np.dtype([(name, np.float64) for name in SAMPLE_COLUMNS])
 """A sample at full precision; topics and logs carry the same columns as float32."""
 
+SHAFTS = np.dtype([('gear_speed', np.float64), ('drive_torque', np.float64)])
+"""What the shafts do beside the columns of a sample: speed of the gear [rad/s], torque of the drive
+on the pinion [N m]."""
+
 CHANNELS = SAMPLE_COLUMNS[1:9]
 """The columns that vibrate."""
 

@@ -56,7 +56,7 @@ class GearPair(ParameterSet):
     )
     mesh_stiffness: str = parameter(
         'rectangular',
-        'rectangular: one or two pairs by the contact ratio; constant: one pair at all times',
+        'rectangular: of the one or two pairs in contact; constant: of one pair at all times',
         choices=('rectangular', 'constant'),
     )
     mesh_damping_ratio: float = parameter(

@@ -31,9 +31,11 @@ SEG_ERROR = 9
 SEG_PAIR = 11
 SEGMENT = 14
 
-# Columns of samples at the high rate: those of a sample, padded to two vector registers.
+# Columns of the integrator's samples: those that are handed out, what the shafts do besides, and
+# padding to two vector registers.
 T, AX1, AY1, AX2, AY2, FORCE, FRICTION = range(7)
 SAMPLE_DELTA, SAMPLE_DELTA_DOT, ANGLE1, ANGLE2, SPEED, LOAD = range(7, 13)
+GEAR_SPEED, DRIVE_TORQUE = 13, 14
 HIGH_RATE_COLUMNS = 16
 # There delta and speed change places, so that what is filtered stands side by side: AX1 to
 # SAMPLE_DELTA_DOT.

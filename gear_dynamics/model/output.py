@@ -14,12 +14,15 @@ from gear_dynamics.model.layout import (
     AY1,
     AY2,
     DELTA,
+    DRIVE_TORQUE,
     FORCE,
     FRICTION,
+    GEAR_SPEED,
     HIGH_RATE_DELTA,
     HIGH_RATE_SPEED,
     LOAD,
     PSI,
+    Q_SUM,
     SAMPLE_DELTA,
     SAMPLE_DELTA_DOT,
     SEG_FORCE,
@@ -68,8 +71,9 @@ def _within_turn(angle):
 def write_samples(p, clock, series, segment, point, whole_every, out, first, count):
     """Write the next one to four samples, all within the present step, to rows of `out`.
 
-    Time, angles, delta and load torque are written of every `whole_every`-th sample, a power of
-    two; if that is not 1, delta and speed are in their places for the high rate.
+    Time, angles, delta, load torque and, where `out` has room for it, what the shafts do besides
+    are written of every `whole_every`-th sample, a power of two; if that is not 1, delta and speed
+    are in their places for the high rate.
     """
     # A sample's time must not depend on which samples are written together with it.
     begin, sample = clock.begin, clock.sample
@@ -83,6 +87,8 @@ def write_samples(p, clock, series, segment, point, whole_every, out, first, cou
     c1, k1, c2, k2 = p.c1_m, p.k1_m, p.c2_m, p.k2_m
     th1_psi, th2_psi = p.th1_psi, p.th2_psi
     speed, accel, torque, torque_rate = clock.speed, clock.accel, clock.torque, clock.torque_rate
+    wide, inertia_t = out.shape[1] > DRIVE_TORQUE, p.inertia_t
+    kd, cd, ki = (p.kd, p.cd, p.ki) if p.drive else (0.0, 0.0, 0.0)
     degree, rubs, rate = clock.degree, p.mu > 0, clock.sample_rate
     tooth1, tooth2 = clock.cycle % int(p.z1), clock.cycle % int(p.z2)
     phase, per_turn = clock.phase, p.z1 / TURN
@@ -116,4 +122,10 @@ def write_samples(p, clock, series, segment, point, whole_every, out, first, cou
             out[row, delta_at] = delta
             out[row, ANGLE1] = _within_turn(angle1 * (tooth1 + now) + q + th1_psi * psi)
             out[row, ANGLE2] = _within_turn(angle2 * (tooth2 + now) + ratio * q - th2_psi * psi)
-            out[row, LOAD] = torque + torque_rate * tau
+            load = torque + torque_rate * tau
+            out[row, LOAD] = load
+            if wide:
+                turning = speed + accel * tau + point[slope, Q]
+                control = kd * q + cd * point[slope, Q] + ki * point[value, Q_SUM]
+                out[row, GEAR_SPEED] = ratio * turning - th2_psi * point[slope, PSI]
+                out[row, DRIVE_TORQUE] = ratio * load + inertia_t * accel - control

@@ -10,11 +10,11 @@ import numpy as np
 
 from gear_dynamics.model import mesh, stepper
 from gear_dynamics.model.band_limit import BandLimiter
-from gear_dynamics.model.columns import EVENTS, SAMPLE_COLUMNS, SAMPLES
+from gear_dynamics.model.columns import EVENTS, SAMPLE_COLUMNS, SAMPLES, SHAFTS
 from gear_dynamics.model.constants import pack
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.kernel import borrowed, kernel
-from gear_dynamics.model.layout import HIGH_RATE_COLUMNS, OVERSAMPLING
+from gear_dynamics.model.layout import DRIVE_TORQUE, GEAR_SPEED, HIGH_RATE_COLUMNS, OVERSAMPLING
 from gear_dynamics.model.motion import at_rest
 from gear_dynamics.model.parameter import ParameterError
 from gear_dynamics.model.run_settings import RunSettings
@@ -119,6 +119,9 @@ class Simulator:
         self._limiter = BandLimiter(_CHUNK, self.sample_rate) if self.settings.anti_alias else None
         self._oversampling = OVERSAMPLING if self._limiter else 1
         self._jumps = np.zeros((_CHUNK if self._limiter else 0, 2, HIGH_RATE_COLUMNS))
+        self._rows = np.zeros((_CHUNK, HIGH_RATE_COLUMNS))
+        self.shafts = np.zeros(0, SHAFTS)
+        """Of the samples that were last handed out: an array of SHAFTS."""
         self.reset()
 
     @property
@@ -146,15 +149,20 @@ class Simulator:
         IntegrationError
             If the step size falls through its floor or the motion is no longer finite.
         """
-        samples = np.zeros(n, SAMPLES)
+        samples, shafts = np.zeros(n, SAMPLES), np.zeros(n, SHAFTS)
         rows = samples.view(np.float64).reshape(n, len(SAMPLE_COLUMNS))
-        if self._limiter is None:
-            self._integrate(rows)
-        else:
-            for begin in range(0, n, self._limiter.capacity):
-                part = rows[begin : begin + self._limiter.capacity]
-                self._integrate(self._limiter.room(len(part)))
-                self._limiter.take(part)
+        besides = shafts.view(np.float64).reshape(n, 2)
+        for begin in range(0, n, _CHUNK):
+            part = slice(begin, begin + _CHUNK)
+            made = self._rows[: len(rows[part])]
+            if self._limiter is None:
+                self._integrate(made)
+            else:
+                self._integrate(self._limiter.room(len(made)))
+                self._limiter.take(made)
+            rows[part] = made[:, :GEAR_SPEED]
+            besides[part] = made[:, GEAR_SPEED : DRIVE_TORQUE + 1]
+        self.shafts = shafts
         self.samples_done += n
         return samples
 
@@ -179,8 +187,8 @@ class Simulator:
                 else 'the motion is no longer finite'
             )
             raise IntegrationError(
-                f'the integrator stopped at t = {time:.9g} s: {what}; loosen rtol '
-                f'({self.settings.rtol:g}) or check the parameters'
+                f'the integrator stopped at t = {time:.9g} s: {what}; check the '
+                f'parameters, or try another rtol than {self.settings.rtol:g}'
             )
 
     def _hold_events(self) -> None:
@@ -258,7 +266,7 @@ class Simulator:
 
         Raises
         ------
-        ValueError
+        ParameterError
             If `pair` changes a parameter that cannot change while running, or a value is out of
             its range.
         """
@@ -273,7 +281,10 @@ class Simulator:
     def _refuse_fixed(self, pair: GearPair) -> None:
         for about in pair.parameters():
             if not about.live and getattr(pair, about.name) != getattr(self.pair, about.name):
-                raise ValueError(f'{about.name} cannot change while running')
+                raise ParameterError(
+                    f'{about.name} is {getattr(pair, about.name)!r}: it cannot change while '
+                    f'running and stays {getattr(self.pair, about.name)!r}'
+                )
 
     def _repack(self) -> None:
         """Put changed parameters into the motion, which goes on from the same state."""

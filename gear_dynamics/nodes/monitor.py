@@ -68,36 +68,33 @@ class VectorTopic:
 
 
 class JointStates:
-    """Angle, speed and torque of both wheels at 50 Hz of model time, as of the rigid train.
+    """Angle, speed and torque of both shafts at 50 Hz of model time.
 
     Parameters
     ----------
     publisher : rclpy.publisher.Publisher
     sample_rate : float
         [Hz]
-    ratio : float
-        Speed of the gear by that of the pinion, z1 / z2.
     """
 
-    def __init__(self, publisher: Publisher, sample_rate: float, ratio: float) -> None:
+    def __init__(self, publisher: Publisher, sample_rate: float) -> None:
         self._publisher = publisher
         self._every = max(1, round(sample_rate / JOINT_STATE_RATE))
-        self._ratio = ratio
 
-    def publish(self, samples: np.ndarray, first: int, stamp: Stamp) -> None:
+    def publish(self, samples: np.ndarray, shafts: np.ndarray, first: int, stamp: Stamp) -> None:
         """Publish what of a block is due, if anybody listens."""
         if not self._publisher.get_subscription_count():
             return
         for index in range(-first % self._every, len(samples), self._every):
-            self._publisher.publish(self._message(samples[index], stamp(first + index)))
+            message = self._message(samples[index], shafts[index], stamp(first + index))
+            self._publisher.publish(message)
 
-    def _message(self, sample: np.void, stamp_ns: int) -> JointState:
-        speed, torque = float(sample['speed']), float(sample['load_torque'])
+    def _message(self, sample: np.void, shafts: np.void, stamp_ns: int) -> JointState:
         message = JointState(name=list(JOINTS))
         message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp_ns, SECOND)
         message.position = [float(sample['pinion_angle']), float(sample['gear_angle'])]
-        message.velocity = [speed, speed * self._ratio]
-        message.effort = [torque * self._ratio, -torque]
+        message.velocity = [float(sample['speed']), float(shafts['gear_speed'])]
+        message.effort = [float(shafts['drive_torque']), -float(sample['load_torque'])]
         return message
 
 
@@ -109,11 +106,9 @@ class Monitor:
     node : rclpy.node.Node
     sample_rate, monitor_rate : float
         The second divides the first [Hz].
-    ratio : float
-        Speed of the gear by that of the pinion.
     """
 
-    def __init__(self, node: Node, sample_rate: float, monitor_rate: float, ratio: float) -> None:
+    def __init__(self, node: Node, sample_rate: float, monitor_rate: float) -> None:
         every = round(sample_rate / monitor_rate)
         topics = (
             ('gear_pair/pinion/acceleration', ACCEL, ('pinion_ax', 'pinion_ay')),
@@ -131,15 +126,17 @@ class Monitor:
             for topic, kind, columns in topics
         ]
         joints = node.create_publisher(JointState, 'gear_pair/joint_states', 10)
-        self._joints = JointStates(joints, sample_rate, ratio)
+        self._joints = JointStates(joints, sample_rate)
 
-    def publish(self, samples: np.ndarray, first: int, stamp: Stamp) -> None:
+    def publish(self, samples: np.ndarray, shafts: np.ndarray, first: int, stamp: Stamp) -> None:
         """Publish what of a block is due on each topic that has listeners.
 
         Parameters
         ----------
         samples : ndarray
             Of dtype SAMPLES.
+        shafts : ndarray
+            Of dtype SHAFTS, for the same instants.
         first : int
             Number of its first sample.
         stamp : callable
@@ -147,7 +144,7 @@ class Monitor:
         """
         for topic in self._vectors:
             topic.publish(samples, first, stamp)
-        self._joints.publish(samples, first, stamp)
+        self._joints.publish(samples, shafts, first, stamp)
 
     def reset(self) -> None:
         """Begin anew after a jump of the samples."""

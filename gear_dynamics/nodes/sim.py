@@ -56,8 +56,7 @@ class Sim:
         self._simulator = _make_simulator(node, pair, settings)
         fast = settings.real_time_factor == 0
         self._stream = Stream(node, keep_all=fast, publish_clock=settings.publish_clock)
-        ratio = pair.pinion_teeth / pair.gear_teeth
-        self._monitor = Monitor(node, settings.sample_rate, settings.monitor_rate, ratio)
+        self._monitor = Monitor(node, settings.sample_rate, settings.monitor_rate)
         self._stamps = StampCounter(settings.sample_rate)
         block_ns = self._block_size / self._rate * SECOND
         self._schedule = Schedule(0.0 if fast else block_ns / settings.real_time_factor)
@@ -166,7 +165,7 @@ class Sim:
         stamp, end = self._stamps.stamp(first), self._stamps.stamp(first + len(samples))
         start = first / self._rate
         self._stream.put(samples, self._simulator.take_events(), start, stamp, end)
-        self._monitor.publish(samples, first, self._stamps.stamp)
+        self._monitor.publish(samples, self._simulator.shafts, first, self._stamps.stamp)
 
 
 def _make_simulator(node: Node, pair: GearPair, settings: SimSettings) -> Simulator:

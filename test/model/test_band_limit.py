@@ -43,7 +43,7 @@ def through(signal, count, block):
     limiter = BandLimiter(block, RATE)
     first = np.full((1, HIGH_RATE_COLUMNS), signal(np.zeros(1))[0])
     limiter.start(first)
-    fed, out = 1, np.zeros((count, 13))
+    fed, out = 1, np.zeros((count, HIGH_RATE_COLUMNS))
     for begin in range(0, count, block):
         part = out[begin : begin + block]
         room = limiter.room(len(part))
