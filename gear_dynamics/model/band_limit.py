@@ -5,8 +5,9 @@ folds back. The filter is a Kaiser-windowed sinc, flat to 20/51.2 of the sample 
 80 dB down from half the sample rate on.
 
 Even at four times the rate a jump folds: its spectrum falls with 1/f alone. The integrator knows
-every jump of a value and of a slope, and its instant; each is replaced by the same jump run through
-a short sinc, flat in the band and down at what folds into it (band-limited steps: Brandt, 2001).
+every jump of a value and of its first two derivatives, and its instant; each is replaced by the
+same jump run through a short sinc, flat in the band and down at what folds into it (band-limited
+steps: Brandt, 2001).
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import math
 
 import numpy as np
 
-from gear_dynamics.model.jumps import SLOPE, VALUE
+from gear_dynamics.model.jumps import CURVATURE, ROWS_OF_JUMP, SLOPE, VALUE
 from gear_dynamics.model.kernel import kernel
 from gear_dynamics.model.lanes import LANES, weighted_sum
 from gear_dynamics.model.layout import (
@@ -67,11 +68,12 @@ def _windowed_sinc(reach: int, count: int, cutoff: float, stop_db: float) -> np.
 
 @functools.cache
 def jump_residuals() -> np.ndarray:
-    """Return what a band-limited jump differs by from a sharp one, (2, n).
+    """Return what a band-limited jump differs by from a sharp one, (ROWS_OF_JUMP, n).
 
     Row VALUE: 1 less the band-limited unit step, v samples at the high rate after the jump, for v
     from 0 to REACH at _STEPS_PER_SAMPLE places a sample. Row SLOPE: its integral from v on, which
-    is what a unit kink differs by. Before the jump the first has the other sign.
+    is what a unit kink differs by. Row CURVATURE: the integral of that. Before the jump the first
+    and the last have the other sign.
     """
     fine = 16 * _STEPS_PER_SAMPLE * REACH
     stop = OVERSAMPLING - _STOP
@@ -79,9 +81,14 @@ def jump_residuals() -> np.ndarray:
     after = response[fine:]
     parts = (after[1:] + after[:-1]) / 2
     step = 0.5 - np.concatenate([[0.0], np.cumsum(parts)]) * 0.5 / parts.sum()
-    parts = (step[1:] + step[:-1]) / 2 * REACH / fine
-    kink = np.concatenate([np.cumsum(parts[::-1])[::-1], [0.0]])
-    return np.ascontiguousarray(np.stack([step, kink])[:, ::16])
+    kink = _integral_to_end(step, REACH / fine)
+    bend = _integral_to_end(kink, REACH / fine)
+    return np.ascontiguousarray(np.stack([step, kink, bend])[:, ::16])
+
+
+def _integral_to_end(values: np.ndarray, spacing: float) -> np.ndarray:
+    parts = (values[1:] + values[:-1]) / 2 * spacing
+    return np.concatenate([np.cumsum(parts[::-1])[::-1], [0.0]])
 
 
 @kernel
@@ -114,11 +121,16 @@ def _smooth(residuals, jumps, rate, high, first):
             part = place - k
             step = (1 - part) * residuals[VALUE, k] + part * residuals[VALUE, k + 1]
             kink = (1 - part) * residuals[SLOPE, k] + part * residuals[SLOPE, k + 1]
+            bend = (1 - part) * residuals[CURVATURE, k] + part * residuals[CURVATURE, k + 1]
             if sample >= instant:
-                step = -step
-            kink /= rate
+                step, bend = -step, -bend
+            kink, bend = kink / rate, bend / rate**2
             for j in range(AX1, SAMPLE_DELTA_DOT + 1):
-                high[row, j] += jumps[i, VALUE, j] * step + jumps[i, SLOPE, j] * kink
+                high[row, j] += (
+                    jumps[i, VALUE, j] * step
+                    + jumps[i, SLOPE, j] * kink
+                    + jumps[i, CURVATURE, j] * bend
+                )
 
 
 class BandLimiter:
@@ -143,7 +155,7 @@ class BandLimiter:
         self._made = np.zeros(LANES)
         self._held = 0
         self._first = 0
-        self._jumps = np.zeros((0, 2, HIGH_RATE_COLUMNS))
+        self._jumps = np.zeros((0, ROWS_OF_JUMP, HIGH_RATE_COLUMNS))
 
     def start(self, first: np.ndarray) -> None:
         """Forget the past; before the run's first sample everything stood as in it."""
@@ -153,7 +165,7 @@ class BandLimiter:
         self._jumps = self._jumps[:0]
 
     def smooth(self, jumps: np.ndarray) -> None:
-        """Take the jumps, (m, 2, HIGH_RATE_COLUMNS), that the next rows contain."""
+        """Take the jumps, (m, ROWS_OF_JUMP, HIGH_RATE_COLUMNS), that the next rows contain."""
         self._jumps = np.concatenate([self._jumps, jumps])
 
     def room(self, count: int) -> np.ndarray:

@@ -12,6 +12,7 @@ import numpy as np
 from gear_dynamics.model import mesh, stepper
 from gear_dynamics.model.columns import EVENTS, SAMPLE_COLUMNS, SAMPLES
 from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.jumps import ROWS_OF_JUMP
 from gear_dynamics.model.kernel import borrowed
 from gear_dynamics.model.layout import HIGH_RATE_COLUMNS
 from gear_dynamics.model.motion import Motion, at_rest
@@ -180,7 +181,7 @@ def simulate_batch(
     samples = np.zeros((n, round(duration * sample_rate)), SAMPLES)
     rows = samples.view(np.float64).reshape(n, -1, len(SAMPLE_COLUMNS))
     status = np.zeros(n, np.int64)
-    no_jumps = np.zeros((0, 2, HIGH_RATE_COLUMNS))
+    no_jumps = np.zeros((0, ROWS_OF_JUMP, HIGH_RATE_COLUMNS))
     _fill_all(*batch.motion, batch.zone_counts, no_jumps, rows, status)
     refuse_failure(status, speeds)
     return samples

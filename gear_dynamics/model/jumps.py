@@ -1,8 +1,8 @@
 """The jumps of forces and accelerations at events, in closed form.
 
 Where a tooth pair enters, leaves, passes the pitch point, or changes its contact, position and
-velocity go on, while force and acceleration jump, and so do their slopes. `model.band_limit` takes
-these jumps out of the samples and puts them in again band-limited.
+velocity go on, while force and acceleration jump, and so do their derivatives. `model.band_limit`
+takes these jumps out of the samples and puts them in again band-limited.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from gear_dynamics.model.layout import (
     FORCE,
     FRICTION,
     HIGH_RATE_SPEED,
+    ROWS,
     SAMPLE_DELTA_DOT,
     SEG_FORCE,
     SEG_FRICTION,
@@ -26,9 +27,22 @@ from gear_dynamics.model.layout import (
 from gear_dynamics.model.output import operate
 from gear_dynamics.model.series import polynomial, value_and_slope
 
-VALUE, SLOPE = 0, 1
-"""Rows of a jump: of the columns of a sample, and of their slopes [1/s]. Column T of the first
-holds its instant, in samples of the integrator since the start of the run."""
+VALUE, SLOPE, CURVATURE = range(3)
+ROWS_OF_JUMP = 3
+"""Rows of a jump: of the columns of a sample, of their slopes [1/s] and curvatures [1/s2]. Column T
+of the first holds its instant, in samples of the integrator since the start of the run."""
+
+
+@kernel
+def _higher_slopes(series, column, t):
+    """Return the second and the third derivative of a column of the series at t."""
+    value, first, second, third = series[ROWS - 1, column], 0.0, 0.0, 0.0
+    for k in range(ROWS - 2, -1, -1):
+        third = third * t + second
+        second = second * t + first
+        first = first * t + value
+        value = value * t + series[k, column]
+    return 2 * second, 6 * third
 
 
 @kernel
@@ -44,7 +58,18 @@ def note_before(p, clock, series, segment):
     clock.before_force_c = polynomial(segment, SEG_FORCE + 1, t)[0]
     clock.before_friction_k = polynomial(segment, SEG_FRICTION, t)[0]
     clock.before_friction_c = polynomial(segment, SEG_FRICTION + 1, t)[0]
+    clock.before_curvature, clock.before_third = _higher_slopes(series, DELTA, t)
     clock.jumped = 1
+
+
+@kernel
+def _fill_column(jump, column, value, slope, curvature, inverse_mass, damping, stiffness):
+    """Write the jump of an acceleration  inverse_mass force - damping x' - stiffness x."""
+    jump[VALUE, column] = value * inverse_mass
+    jump[SLOPE, column] = slope * inverse_mass - damping * jump[VALUE, column]
+    jump[CURVATURE, column] = (
+        curvature * inverse_mass - damping * jump[SLOPE, column] - stiffness * jump[VALUE, column]
+    )
 
 
 @kernel
@@ -59,24 +84,34 @@ def note_jump(p, clock, series, segment, jumps):
     torque2 = p.arm_sum * friction - torque1
     a_psi = p.psi_1 * torque1 + p.psi_2 * torque2 - force * p.inv_me
     a_q = (torque1 - p.ratio * torque2) * p.inv_it if p.drive else 0.0
-    a_delta = a_psi - force * (p.inv_m1 + p.inv_m2)
-    was = curvature - a_delta
-    force_slope = segment[SEG_FORCE, 0] * slope + segment[SEG_FORCE + 1, 0] * curvature
-    force_slope -= clock.before_force_k * slope + clock.before_force_c * was
-    friction_slope = segment[SEG_FRICTION, 0] * slope + segment[SEG_FRICTION + 1, 0] * curvature
-    friction_slope -= clock.before_friction_k * slope + clock.before_friction_c * was
+    third, before_2, before_3 = 6 * series[3, DELTA], clock.before_curvature, clock.before_third
+    k, c, k_before, c_before = (
+        segment[SEG_FORCE, 0],
+        segment[SEG_FORCE + 1, 0],
+        clock.before_force_k,
+        clock.before_force_c,
+    )
+    force_1 = k * slope + c * curvature - k_before * slope - c_before * before_2
+    force_2 = k * curvature + c * third - k_before * before_2 - c_before * before_3
+    k, c, k_before, c_before = (
+        segment[SEG_FRICTION, 0],
+        segment[SEG_FRICTION + 1, 0],
+        clock.before_friction_k,
+        clock.before_friction_c,
+    )
+    friction_1 = k * slope + c * curvature - k_before * slope - c_before * before_2
+    friction_2 = k * curvature + c * third - k_before * before_2 - c_before * before_3
 
     jump = jumps[clock.jumps]
     jump[:] = 0.0
     jump[VALUE, T] = clock.origin + clock.begin * clock.sample_rate
-    jump[VALUE, FORCE], jump[SLOPE, FORCE] = force, force_slope
-    jump[VALUE, FRICTION], jump[SLOPE, FRICTION] = friction, friction_slope
-    jump[VALUE, AX1], jump[VALUE, AX2] = friction * p.inv_m1, -friction * p.inv_m2
-    jump[VALUE, AY1], jump[VALUE, AY2] = force * p.inv_m1, -force * p.inv_m2
-    jump[SLOPE, AX1] = friction_slope * p.inv_m1 - p.c1_m * jump[VALUE, AX1]
-    jump[SLOPE, AX2] = -friction_slope * p.inv_m2 - p.c2_m * jump[VALUE, AX2]
-    jump[SLOPE, AY1] = force_slope * p.inv_m1 - p.c1_m * jump[VALUE, AY1]
-    jump[SLOPE, AY2] = -force_slope * p.inv_m2 - p.c2_m * jump[VALUE, AY2]
-    jump[SLOPE, SAMPLE_DELTA_DOT] = a_delta
+    _fill_column(jump, FORCE, force, force_1, force_2, 1.0, 0.0, 0.0)
+    _fill_column(jump, FRICTION, friction, friction_1, friction_2, 1.0, 0.0, 0.0)
+    _fill_column(jump, AX1, friction, friction_1, friction_2, p.inv_m1, p.c1_m, p.k1_m)
+    _fill_column(jump, AX2, friction, friction_1, friction_2, -p.inv_m2, p.c2_m, p.k2_m)
+    _fill_column(jump, AY1, force, force_1, force_2, p.inv_m1, p.c1_m, p.k1_m)
+    _fill_column(jump, AY2, force, force_1, force_2, -p.inv_m2, p.c2_m, p.k2_m)
+    jump[SLOPE, SAMPLE_DELTA_DOT] = curvature - before_2
+    jump[CURVATURE, SAMPLE_DELTA_DOT] = third - before_3
     jump[SLOPE, HIGH_RATE_SPEED] = a_q + p.th1_psi * a_psi
     clock.jumps += 1

@@ -31,7 +31,8 @@ CLOCK = np.dtype(
             'sample_rate section_phase smallest_step '
             # forces before the last event, for `model.jumps`, and how fast the arms grow
             'before_force before_friction before_torque1 travel '
-            'before_force_k before_force_c before_friction_k before_friction_c'
+            'before_force_k before_force_c before_friction_k before_friction_c '
+            'before_curvature before_third'
         ).split()
     ]
     + [

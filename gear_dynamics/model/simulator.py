@@ -13,6 +13,7 @@ from gear_dynamics.model.band_limit import BandLimiter
 from gear_dynamics.model.columns import EVENTS, SAMPLE_COLUMNS, SAMPLES, SHAFTS
 from gear_dynamics.model.constants import pack
 from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.jumps import ROWS_OF_JUMP
 from gear_dynamics.model.kernel import borrowed, kernel
 from gear_dynamics.model.layout import DRIVE_TORQUE, GEAR_SPEED, HIGH_RATE_COLUMNS, OVERSAMPLING
 from gear_dynamics.model.motion import at_rest
@@ -118,7 +119,7 @@ class Simulator:
         self._drive, self._profiles = drive, profiles
         self._limiter = BandLimiter(_CHUNK, self.sample_rate) if self.settings.anti_alias else None
         self._oversampling = OVERSAMPLING if self._limiter else 1
-        self._jumps = np.zeros((_CHUNK if self._limiter else 0, 2, HIGH_RATE_COLUMNS))
+        self._jumps = np.zeros((_CHUNK if self._limiter else 0, ROWS_OF_JUMP, HIGH_RATE_COLUMNS))
         self._rows = np.zeros((_CHUNK, HIGH_RATE_COLUMNS))
         self.shafts = np.zeros(0, SHAFTS)
         """Of the samples that were last handed out: an array of SHAFTS."""

@@ -274,7 +274,7 @@ def begin_step(p, clock, zones, profiles, y, series, error, segment, work, enter
 def run(p, clock, zones, profiles, y, series, error, segment, work, point, events, jumps, sample):
     """Step until the present step spans the instant of a sample.
 
-    jumps : (m, 2, HIGH_RATE_COLUMNS) array
+    jumps : (m, ROWS_OF_JUMP, HIGH_RATE_COLUMNS) array
         Filled with the jumps at events; none are looked for if m is 0.
 
     Returns DONE, EVENTS_FULL (empty events and jumps and call again), STUCK or NOT_FINITE.
