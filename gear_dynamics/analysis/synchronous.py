@@ -56,6 +56,17 @@ def synchronous_average(values: np.ndarray, points: int) -> np.ndarray:
     return whole.reshape(revolutions, points, *values.shape[1:]).mean(axis=0)
 
 
+def below_order(average: np.ndarray, highest: float) -> np.ndarray:
+    """Return an average of one revolution, (points, channels), without the orders above `highest`.
+
+    Above the band in which resampling by angle is accurate an average holds its errors: at a speed
+    that fits the sample rate they repeat with the revolution, and no averaging removes them.
+    """
+    lines = fft.rfft(average, axis=0)
+    lines[math.floor(highest) + 1 :] = 0
+    return fft.irfft(lines, len(average), axis=0)
+
+
 class Parts(NamedTuple):
     """A synchronous average without its mean, and its parts; all of the same shape.
 

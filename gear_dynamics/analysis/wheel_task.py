@@ -9,10 +9,12 @@ from typing import NamedTuple
 import numpy as np
 
 from gear_dynamics.analysis import indicators
+from gear_dynamics.analysis.interpolation import ACCURATE_BAND
 from gear_dynamics.analysis.segments import SegmentBuffer
 from gear_dynamics.analysis.statistics import rms
 from gear_dynamics.analysis.synchronous import (
     Parts,
+    below_order,
     hunting_revolutions,
     other_wheel_leakage,
     separate,
@@ -125,7 +127,8 @@ class WheelTask:
         return taken + taken / self._count > self._longest
 
     def _finish(self, last: float) -> WheelAverage:
-        average = self._sum / self._count
+        samples_per_revolution = (last - self._first) / self._count
+        average = below_order(self._sum / self._count, ACCURATE_BAND * samples_per_revolution)
         parts = separate(average, self._teeth)
         values, notes = self._indicators(average, parts)
         leakage = other_wheel_leakage(self._count, self._teeth, self._other)

@@ -27,13 +27,9 @@ from gear_dynamics.model.layout import (
     DRIVE_TORQUE,
     GEAR_SPEED,
     HIGH_RATE_COLUMNS,
-    HIGH_RATE_DELTA,
-    HIGH_RATE_SPEED,
     LOAD,
     OVERSAMPLING,
     REACH,
-    SAMPLE_DELTA,
-    SAMPLE_DELTA_DOT,
     SPEED,
     TAPS,
     T,
@@ -98,10 +94,8 @@ def _decimate(weights, high, made, out):
     for i in range(out.shape[0]):
         first = OVERSAMPLING * i
         weighted_sum(weights, high, first, made)
-        for j in range(AX1, SAMPLE_DELTA_DOT + 1):
+        for j in range(AX1, SPEED + 1):
             out[i, j] = made[j - AX1]
-        out[i, SPEED] = out[i, HIGH_RATE_SPEED]
-        out[i, SAMPLE_DELTA] = high[first + centre, HIGH_RATE_DELTA]
         for j in (T, ANGLE1, ANGLE2, LOAD, GEAR_SPEED, DRIVE_TORQUE):
             out[i, j] = high[first + centre, j]
 
@@ -125,7 +119,7 @@ def _smooth(residuals, jumps, rate, high, first):
             if sample >= instant:
                 step, bend = -step, -bend
             kink, bend = kink / rate, bend / rate**2
-            for j in range(AX1, SAMPLE_DELTA_DOT + 1):
+            for j in range(AX1, SPEED + 1):
                 high[row, j] += (
                     jumps[i, VALUE, j] * step
                     + jumps[i, SLOPE, j] * kink
@@ -136,9 +130,9 @@ def _smooth(residuals, jumps, rate, high, first):
 class BandLimiter:
     """Turns samples at OVERSAMPLING times the rate into band-limited samples at the rate.
 
-    Accelerations, forces, delta_dot and speed, which jump or kink at events, are filtered. Time,
-    delta, angles and load torque are smooth and are taken at their instant, which is where the
-    filter's delay puts the others.
+    Accelerations, forces, delta, delta_dot and speed are filtered: they, or their derivatives, jump
+    at events. Time, angles and load torque are smooth and are taken at their instant, which is
+    where the filter's delay puts the others.
 
     Parameters
     ----------
@@ -152,7 +146,7 @@ class BandLimiter:
         self.capacity = capacity
         self._rate = OVERSAMPLING * sample_rate
         self._rows = _rows_in_cache_lines(_SPAN + OVERSAMPLING * capacity)
-        self._made = np.zeros(LANES)
+        self._made = np.zeros(2 * LANES)
         self._held = 0
         self._first = 0
         self._jumps = np.zeros((0, ROWS_OF_JUMP, HIGH_RATE_COLUMNS))
@@ -192,7 +186,7 @@ class BandLimiter:
 
 
 def _rows_in_cache_lines(count: int) -> np.ndarray:
-    """Return rows of samples whose filtered columns each lie in one cache line of 64 bytes."""
-    numbers = np.zeros(count * HIGH_RATE_COLUMNS + LANES)
+    """Return rows of samples whose filtered columns lie in two cache lines of 64 bytes each."""
+    numbers = np.zeros(count * HIGH_RATE_COLUMNS + 2 * LANES)
     skip = (-(numbers.ctypes.data // numbers.itemsize) - AX1) % LANES
     return numbers[skip : skip + count * HIGH_RATE_COLUMNS].reshape(count, HIGH_RATE_COLUMNS)

@@ -16,12 +16,13 @@ from gear_dynamics.model.layout import (
     DELTA,
     FORCE,
     FRICTION,
-    HIGH_RATE_SPEED,
     ROWS,
+    SAMPLE_DELTA,
     SAMPLE_DELTA_DOT,
     SEG_FORCE,
     SEG_FRICTION,
     SEG_MOMENT,
+    SPEED,
     T,
 )
 from gear_dynamics.model.output import operate
@@ -113,5 +114,6 @@ def note_jump(p, clock, series, segment, jumps):
     _fill_column(jump, AY2, force, force_1, force_2, -p.inv_m2, p.c2_m, p.k2_m)
     jump[SLOPE, SAMPLE_DELTA_DOT] = curvature - before_2
     jump[CURVATURE, SAMPLE_DELTA_DOT] = third - before_3
-    jump[SLOPE, HIGH_RATE_SPEED] = a_q + p.th1_psi * a_psi
+    jump[CURVATURE, SAMPLE_DELTA] = curvature - before_2
+    jump[SLOPE, SPEED] = a_q + p.th1_psi * a_psi
     clock.jumps += 1

@@ -141,10 +141,10 @@ def sixteenths(typing_context, polynomials, row, h, out):
 
 @intrinsic
 def weighted_sum(typing_context, weights, rows, first, out):
-    """Put the weighted sum of eight columns, AX1 and on, of TAPS rows into `out`.
+    """Put the weighted sum of sixteen numbers, from AX1 on, of TAPS rows into `out`.
 
-    weights : (TAPS,) array; rows : (n, HIGH_RATE_COLUMNS) array; first : the first row; out :
-    array with room for 8 numbers.
+    weights : (TAPS,) array; rows : (n, HIGH_RATE_COLUMNS) array, with room for one number more;
+    first : the first row; out : array with room for 16 numbers.
     """
 
     def generate(context, builder, signature, arguments):
@@ -154,15 +154,16 @@ def weighted_sum(typing_context, weights, rows, first, out):
         target = _data(context, builder, out_type, arguments[3])
         index = context.cast(builder, arguments[2], first_type, types.int64)
         data = builder.gep(data, [builder.mul(index, ir.Constant(_INT, HIGH_RATE_COLUMNS))])
-        # Several sums, so that none waits for its own last addition.
-        sums = [ir.Constant(_VECTOR, [0.0] * LANES)] * LANES
+        # Several sums of each half, so that none waits for its own last addition.
+        halves = [[ir.Constant(_VECTOR, [0.0] * LANES)] * 4 for _ in range(2)]
         for k in range(TAPS):
             factor = _spread(builder, builder.load(_at(builder, weight, k)))
-            vector = _load(builder, data, k * HIGH_RATE_COLUMNS + AX1)
-            sums[k % LANES] = _multiply_add(builder, factor, vector, sums[k % LANES])
-        while len(sums) > 1:
-            sums = [builder.fadd(a, b) for a, b in zip(sums[::2], sums[1::2], strict=True)]
-        _store(builder, sums[0], target, 0)
+            for half, sums in enumerate(halves):
+                vector = _load(builder, data, k * HIGH_RATE_COLUMNS + AX1 + half * LANES)
+                sums[k % 4] = _multiply_add(builder, factor, vector, sums[k % 4])
+        for half, (a, b, c, d) in enumerate(halves):
+            total = builder.fadd(builder.fadd(a, b), builder.fadd(c, d))
+            _store(builder, total, target, half * LANES)
         return context.get_dummy_value()
 
     return types.void(weights, rows, first, out), generate

@@ -37,9 +37,7 @@ T, AX1, AY1, AX2, AY2, FORCE, FRICTION = range(7)
 SAMPLE_DELTA, SAMPLE_DELTA_DOT, ANGLE1, ANGLE2, SPEED, LOAD = range(7, 13)
 GEAR_SPEED, DRIVE_TORQUE = 13, 14
 HIGH_RATE_COLUMNS = 16
-# There delta and speed change places, so that what is filtered stands side by side: AX1 to
-# SAMPLE_DELTA_DOT.
-HIGH_RATE_DELTA, HIGH_RATE_SPEED = SPEED, SAMPLE_DELTA
+
 
 DELAY = 24
 """Samples by which the band-limiting filter looks ahead of the sample that it makes."""

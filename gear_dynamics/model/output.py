@@ -18,8 +18,6 @@ from gear_dynamics.model.layout import (
     FORCE,
     FRICTION,
     GEAR_SPEED,
-    HIGH_RATE_DELTA,
-    HIGH_RATE_SPEED,
     LOAD,
     PSI,
     Q_SUM,
@@ -71,9 +69,8 @@ def _within_turn(angle):
 def write_samples(p, clock, series, segment, point, whole_every, out, first, count):
     """Write the next one to four samples, all within the present step, to rows of `out`.
 
-    Time, angles, delta, load torque and, where `out` has room for it, what the shafts do besides
-    are written of every `whole_every`-th sample, a power of two; if that is not 1, delta and speed
-    are in their places for the high rate.
+    Time, angles, load torque and, where `out` has room for it, what the shafts do besides are
+    written of every `whole_every`-th sample, a power of two.
     """
     # A sample's time must not depend on which samples are written together with it.
     begin, sample = clock.begin, clock.sample
@@ -95,8 +92,6 @@ def write_samples(p, clock, series, segment, point, whole_every, out, first, cou
     angle1, angle2 = TURN / p.z1, TURN / p.z2
     force_k, force_c, force_o = segment[0, 0], segment[1, 0], segment[2, 0]
     rub_k, rub_c, rub_o = segment[3, 0], segment[4, 0], segment[5, 0]
-    delta_at = SAMPLE_DELTA if whole_every == 1 else HIGH_RATE_DELTA
-    speed_at = SPEED if whole_every == 1 else HIGH_RATE_SPEED
     for i in range(count):
         tau = t0 if i == 0 else t1 if i == 1 else t2 if i == 2 else t3
         value, slope, row = 2 * i, 2 * i + 1, first + i
@@ -115,11 +110,11 @@ def write_samples(p, clock, series, segment, point, whole_every, out, first, cou
         spin = point[slope, Q] + th1_psi * point[slope, PSI]
         out[row, AX1], out[row, AY1], out[row, AX2], out[row, AY2] = a_x1, a_y1, a_x2, a_y2
         out[row, FORCE], out[row, FRICTION], out[row, SAMPLE_DELTA_DOT] = force, friction, delta_dot
-        out[row, speed_at] = speed + accel * tau + spin
+        out[row, SAMPLE_DELTA] = delta
+        out[row, SPEED] = speed + accel * tau + spin
         if (sample + i) & (whole_every - 1) == 0:
             now = phase + per_turn * tau * (speed + 0.5 * accel * tau)
             out[row, T] = (sample + i) / rate
-            out[row, delta_at] = delta
             out[row, ANGLE1] = _within_turn(angle1 * (tooth1 + now) + q + th1_psi * psi)
             out[row, ANGLE2] = _within_turn(angle2 * (tooth2 + now) + ratio * q - th2_psi * psi)
             load = torque + torque_rate * tau
