@@ -20,6 +20,7 @@ import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -36,7 +37,7 @@ from gear_dynamics.settings import AnalyzerSettings, SimSettings
 ROOT = Path(__file__).resolve().parents[1]
 BLOCK = 512
 RATE = 51200.0
-RESULTS = ('spectrum', 'order_spectrum', 'envelope_spectrum')
+RESULTS = ('spectrum', 'order_spectrum', 'envelope_spectrum', 'mesh_force', 'regime')
 
 Stream = list[tuple[int, np.ndarray, np.ndarray]]
 
@@ -121,6 +122,7 @@ class Ear:
 
     def __init__(self) -> None:
         import rclpy
+        from diagnostic_msgs.msg import DiagnosticArray
         from sensor_msgs.msg import PointCloud2
 
         rclpy.init(args=[])
@@ -129,8 +131,7 @@ class Ear:
         self.latencies: dict[str, list[float]] = {name: [] for name in RESULTS}
         subscribe = self.node.create_subscription
         subscribe(PointCloud2, 'gear_pair/samples', self.on_block, 1000, raw=True)
-        for name in RESULTS:
-            subscribe(PointCloud2, f'gear_pair/{name}', self.on_result(name), 1000, raw=True)
+        subscribe(DiagnosticArray, 'gear_pair/condition', self.on_condition, 1000)
 
     def on_block(self, data: bytes) -> None:
         """Note when a block came."""
@@ -139,18 +140,19 @@ class Ear:
         self.ends.append((table.stamp_ns + round(len(table.rows) * 1e9 / RATE), now))
         del self.ends[:-2000]
 
-    def on_result(self, name: str) -> Callable[[bytes], None]:
-        """Return what notes the delay of a result."""
-
-        def take(data: bytes) -> None:
-            now = time.monotonic()
-            table = decode_table(data)
-            end = table.stamp_ns + float(table.frame_id.removeprefix('duration=')) * 1e9
+    def on_condition(self, message: Any) -> None:
+        """Note the delay of each result by the status that states its span."""
+        now = time.monotonic()
+        for status in message.status:
+            subject = status.name.rpartition(': ')[2]
+            if subject not in self.latencies:
+                continue
+            values = {each.key: each.value for each in status.values}
+            end = float(values['duration']) * 1e9 + message.header.stamp.sec * 10**9
+            end += message.header.stamp.nanosec
             completing = [came for last, came in self.ends if last >= end - 1e5]
             if completing:
-                self.latencies[name].append(now - completing[0])
-
-        return take
+                self.latencies[subject].append(now - completing[0])
 
 
 def processes(seconds: float) -> None:
