@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from gear_dynamics.bag.reader import read_log
     from gear_dynamics.model.batch import simulate_batch
+    from gear_dynamics.model.gear_pair import GearPair
     from gear_dynamics.model.parameter import ParameterError
     from gear_dynamics.model.simulator import IntegrationError, Simulator, simulate
-    from gear_dynamics.parameter_files import GearPair
 
 _HOMES = {
-    'GearPair': 'gear_dynamics.parameter_files',
+    'GearPair': 'gear_dynamics.model.gear_pair',
     'IntegrationError': 'gear_dynamics.model.simulator',
     'ParameterError': 'gear_dynamics.model.parameter',
     'Simulator': 'gear_dynamics.model.simulator',

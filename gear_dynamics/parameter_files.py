@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import yaml
 
-from gear_dynamics.model import gear_pair
-from gear_dynamics.model.parameter import Parameter, ParameterError, ParameterSet
+from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.parameter import (
+    Parameter,
+    ParameterError,
+    ParameterSet,
+    refuse_unknown_name,
+)
 from gear_dynamics.settings import AnalyzerSettings, ReplaySettings, SimSettings
 
 NODES: dict[str, tuple[type[ParameterSet], ...]] = {
-    'gear_sim': (gear_pair.GearPair, SimSettings),
+    'gear_sim': (GearPair, SimSettings),
     'gear_analyzer': (AnalyzerSettings,),
     'gear_replay': (ReplaySettings,),
 }
@@ -26,47 +30,19 @@ ROS_NAMES = ('use_sim_time', 'start_type_description_service', 'qos_overrides')
 
 EXAMPLE = '/**: {ros__parameters: {speed: 104.72}}'
 
-_Pair = TypeVar('_Pair', bound='GearPair')
 
+def write_parameters(path: str | Path, values: ParameterSet) -> None:
+    """Write every parameter, with unit and meaning, as a ROS parameter file for any node.
 
-class GearPair(gear_pair.GearPair):
-    """A spur gear pair that can be read from and written to ROS parameter files."""
-
-    @classmethod
-    def from_yaml(cls: type[_Pair], path: str | Path, node: str = '/gear_sim') -> _Pair:
-        """Read the gear pair that a node would have with this parameter file.
-
-        Parameters
-        ----------
-        path : str or Path
-            ROS parameter file; names that it does not give keep their defaults.
-        node : str
-            The node's full name, such as '/rig1/gear_sim', to tell the file's sections apart.
-
-        Raises
-        ------
-        ParameterError
-            If the file cannot be read, has nothing for the node, or has an unknown name or a
-            value that is not allowed.
-        """
-        values = read_parameters(path, node)
-        try:
-            return cls.from_mapping(values)
-        except ParameterError as error:
-            raise ParameterError(f'{path}: {error}') from None
-
-    def to_yaml(self, path: str | Path) -> None:
-        """Write every parameter, with unit and meaning, as a ROS parameter file for any node.
-
-        Raises
-        ------
-        OSError
-            If the file cannot be written.
-        """
-        values = self.to_mapping()
-        lines = [f'    {_line(about, values[about.name])}' for about in self.parameters()]
-        text = '\n'.join(['/**:', '  ros__parameters:', *lines, ''])
-        Path(path).write_text(text, encoding='utf-8')
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
+    given = values.to_mapping()
+    lines = [f'    {_line(about, given[about.name])}' for about in values.parameters()]
+    text = '\n'.join(['/**:', '  ros__parameters:', *lines, ''])
+    Path(path).write_text(text, encoding='utf-8')
 
 
 def read_parameters(path: str | Path, node: str = '/gear_sim') -> dict[str, Any]:
@@ -128,9 +104,8 @@ def refuse_unknown(names: Collection[str]) -> None:
     """
     known = known_names() | set(ROS_NAMES)
     for name in names:
-        if name not in known and not name.startswith('qos_overrides.'):
-            near = difflib.get_close_matches(name, sorted(known), n=1, cutoff=0.0)[0]
-            raise ParameterError(f'{name} is not a parameter; the nearest name is {near}')
+        if not name.startswith('qos_overrides.'):
+            refuse_unknown_name(name, known)
 
 
 def _load(path: str | Path) -> Mapping[str, Any]:

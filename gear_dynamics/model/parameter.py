@@ -7,8 +7,9 @@ the YAML files, the ROS descriptors, `--help` and the README's table all follow 
 from __future__ import annotations
 
 import dataclasses
+import difflib
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any, TypeVar
 
 Value = bool | int | float | str | list[str]
@@ -163,6 +164,19 @@ class ParameterSet:
     def to_mapping(self) -> dict[str, Value]:
         """Return names and values, in the order of declaration."""
         return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
+
+
+def refuse_unknown_name(name: str, known: Collection[str]) -> None:
+    """Refuse a name that is not known.
+
+    Raises
+    ------
+    ParameterError
+        With the nearest known name.
+    """
+    if name not in known:
+        near = difflib.get_close_matches(name, sorted(known), n=1, cutoff=0.0)[0]
+        raise ParameterError(f'{name} is not a parameter; the nearest name is {near}')
 
 
 def _default(field: dataclasses.Field[Any]) -> Any:

@@ -78,12 +78,11 @@ def read_operation(path: str | Path) -> Operation:
     ParameterError
         If the file is missing or has a value that is not allowed.
     """
-    pair = parameter_files.GearPair.from_yaml(path)
+    pair = GearPair.from_yaml(path)
     values = parameter_files.read_parameters(path)
     names = ('speed', 'load_torque')
     run = RunSettings.from_mapping({name: values[name] for name in names if name in values})
-    plain = GearPair.from_mapping(pair.to_mapping())
-    return Operation(plain, run.speed, run.load_torque)
+    return Operation(pair, run.speed, run.load_torque)
 
 
 def default_operation() -> Operation:

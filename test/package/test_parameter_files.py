@@ -9,7 +9,7 @@ import yaml
 from ros_support import ROOT
 
 import gear_dynamics as gd
-from gear_dynamics.model.gear_pair import GearPair as PlainPair
+from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.parameter_files import check_parameter_file, read_parameters
 from gear_dynamics.settings import SimSettings
 
@@ -62,10 +62,11 @@ def test_what_was_written_is_read_back(tmp_path):
     path = tmp_path / 'pair.yaml'
     unusual_pair().to_yaml(path)
     assert gd.GearPair.from_yaml(path) == unusual_pair()
+    assert gd.GearPair.from_yaml(path) == GearPair.from_mapping(unusual_pair().to_mapping())
     values = yaml.safe_load(path.read_text())['/**']['ros__parameters']
     assert values == unusual_pair().to_mapping()
     assert {name: type(value) for name, value in values.items()} == {
-        about.name: type(about.default) for about in PlainPair.parameters()
+        about.name: type(about.default) for about in GearPair.parameters()
     }
 
 
@@ -101,7 +102,7 @@ def test_rcl_reads_what_was_written(tmp_path, domain):
     values = as_rcl_reads(path)
     assert values == unusual_pair().to_mapping()
     assert {name: type(value) for name, value in values.items()} == {
-        about.name: type(about.default) for about in PlainPair.parameters()
+        about.name: type(about.default) for about in GearPair.parameters()
     }
 
 
