@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
 
 import numba
 import numpy as np
 
 from gear_dynamics.model import mesh, stepper
 from gear_dynamics.model.columns import EVENTS, SAMPLE_COLUMNS, SAMPLES
-from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.gear_pair import GearPair, checked_pair
 from gear_dynamics.model.jumps import ROWS_OF_JUMP
 from gear_dynamics.model.kernel import borrowed
 from gear_dynamics.model.layout import HIGH_RATE_COLUMNS
@@ -106,15 +105,36 @@ def refuse_failure(status: np.ndarray, speeds: np.ndarray) -> None:
         )
 
 
+def checked_pairs(pairs: Any) -> list[GearPair]:
+    """Return what must be gear pairs.
+
+    Raises
+    ------
+    ParameterError
+        If there are none, or there is anything else.
+    """
+    if not isinstance(pairs, Iterable):
+        raise ParameterError(f'pairs is {pairs!r}: it must be a list of GearPair')
+    checked = [checked_pair(pair) for pair in pairs]
+    if not checked:
+        raise ParameterError('pairs is empty: give one gear pair or more')
+    return checked
+
+
 def spread(value: float | Sequence[float] | np.ndarray, n: int, name: str) -> np.ndarray:
     """Return n values of an argument that may be given once for all.
 
     Raises
     ------
     ParameterError
-        If it has another number of values.
+        If these are no numbers, or another number of them.
     """
-    values = np.asarray(value, dtype=float)
+    try:
+        values = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        raise ParameterError(
+            f'{name} is {value!r}: give one number, or {n}, one a gear pair'
+        ) from None
     if values.shape not in ((), (n,)):
         raise ParameterError(f'{name} has {values.size} values: give one, or {n}, one a gear pair')
     return np.broadcast_to(values, n)
@@ -160,11 +180,8 @@ def simulate_batch(
     IntegrationError
         If the integrator cannot go on with one of them.
     """
+    pairs = checked_pairs(pairs)
     n = len(pairs)
-    if n == 0:
-        raise ParameterError('pairs is empty: give one gear pair or more')
-    if not (math.isfinite(duration) and duration > 0):
-        raise ParameterError(f'duration is {duration!r}: it must be a positive number of seconds')
     speeds, load_torques = spread(speeds, n, 'speeds'), spread(load_torques, n, 'load_torques')
     runs = [
         RunSettings(
@@ -177,8 +194,8 @@ def simulate_batch(
         )
         for speed, torque in zip(speeds, load_torques, strict=True)
     ]
+    samples = np.zeros((n, runs[0].sample_count(duration, n)), SAMPLES)
     batch = gather(pairs, runs)
-    samples = np.zeros((n, round(duration * sample_rate)), SAMPLES)
     rows = samples.view(np.float64).reshape(n, -1, len(SAMPLE_COLUMNS))
     status = np.zeros(n, np.int64)
     no_jumps = np.zeros((0, ROWS_OF_JUMP, HIGH_RATE_COLUMNS))

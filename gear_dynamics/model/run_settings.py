@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+import os
+from typing import Any
 
-from gear_dynamics.model.parameter import ParameterSet, parameter
+from gear_dynamics.model.columns import SAMPLES
+from gear_dynamics.model.parameter import Parameter, ParameterError, ParameterSet, parameter
+
+_DURATION = Parameter('duration', 1.0, 'model time', unit='s', minimum=0.0, maximum=1e9)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -57,3 +62,28 @@ class RunSettings(ParameterSet):
     section_phase: float = parameter(
         0.5, 'mesh phase of the section', unit='cycles', minimum=0.0, maximum=0.999999
     )
+
+    def sample_count(self, duration: Any, runs: int = 1) -> int:
+        """Return the number of samples that each of several runs has in a duration [s].
+
+        Raises
+        ------
+        ParameterError
+            If the duration is no number, shorter than a sample, or so long that the samples of
+            all runs do not fit into this machine's memory.
+        """
+        seconds = float(_DURATION.check(duration))  # type: ignore[arg-type]
+        count = round(seconds * self.sample_rate)
+        if count < 1:
+            shortest = 1 / self.sample_rate
+            raise ParameterError(
+                f'duration is {duration!r}: it must be a sample or more, {shortest:.3g} s'
+            )
+        needed = count * runs * SAMPLES.itemsize
+        memory = os.sysconf('SC_PAGE_SIZE') * os.sysconf('SC_PHYS_PAGES')
+        if needed > memory:
+            raise ParameterError(
+                f'duration is {duration!r}: its samples need {needed / 1e9:.3g} GB and the machine '
+                f'has {memory / 1e9:.3g} GB; advance a Simulator block by block'
+            )
+        return count

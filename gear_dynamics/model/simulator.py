@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import operator
 from typing import Any
 
 import numpy as np
@@ -12,12 +13,12 @@ from gear_dynamics.model import mesh, stepper
 from gear_dynamics.model.band_limit import BandLimiter
 from gear_dynamics.model.columns import EVENTS, SAMPLE_COLUMNS, SAMPLES, SHAFTS
 from gear_dynamics.model.constants import pack
-from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.gear_pair import GearPair, checked_pair
 from gear_dynamics.model.jumps import ROWS_OF_JUMP
 from gear_dynamics.model.kernel import borrowed, kernel
 from gear_dynamics.model.layout import DRIVE_TORQUE, GEAR_SPEED, HIGH_RATE_COLUMNS, OVERSAMPLING
 from gear_dynamics.model.motion import at_rest
-from gear_dynamics.model.parameter import ParameterError
+from gear_dynamics.model.parameter import ParameterError, refuse_unknown_name
 from gear_dynamics.model.run_settings import RunSettings
 
 _CHUNK = 1024
@@ -103,7 +104,7 @@ class Simulator:
     Raises
     ------
     ParameterError
-        If a value is out of its range.
+        If `pair` is none, a name is unknown, or a value is out of its range.
     """
 
     def __init__(
@@ -114,7 +115,9 @@ class Simulator:
         profiles: np.ndarray | None = None,
         **values: Any,
     ) -> None:
-        self.pair = pair
+        self.pair = checked_pair(pair)
+        for name in values:
+            refuse_unknown_name(name, [about.name for about in RunSettings.parameters()])
         self.settings = RunSettings(**values)
         self._drive, self._profiles = drive, profiles
         self._limiter = BandLimiter(_CHUNK, self.sample_rate) if self.settings.anti_alias else None
@@ -147,9 +150,12 @@ class Simulator:
 
         Raises
         ------
+        ParameterError
+            If n is no whole number, or negative.
         IntegrationError
             If the step size falls through its floor or the motion is no longer finite.
         """
+        n = _checked_count(n)
         samples, shafts = np.zeros(n, SAMPLES), np.zeros(n, SHAFTS)
         rows = samples.view(np.float64).reshape(n, len(SAMPLE_COLUMNS))
         besides = shafts.view(np.float64).reshape(n, 2)
@@ -268,11 +274,11 @@ class Simulator:
         Raises
         ------
         ParameterError
-            If `pair` changes a parameter that cannot change while running, or a value is out of
-            its range.
+            If `pair` is no gear pair or changes a parameter that cannot change while running, or a
+            value is out of its range.
         """
         if pair is not None:
-            self._refuse_fixed(pair)
+            self._refuse_fixed(checked_pair(pair))
             self._interrupt()
             self.pair = pair
             self._repack()
@@ -326,6 +332,16 @@ class Simulator:
         return counts
 
 
+def _checked_count(n: Any) -> int:
+    try:
+        count = operator.index(n)
+    except TypeError:
+        count = -1
+    if count < 0:
+        raise ParameterError(f'n is {n!r}: it must be a whole number of samples, 0 or more')
+    return count
+
+
 def simulate(
     pair: GearPair,
     duration: float = 1.0,
@@ -366,8 +382,6 @@ def simulate(
     IntegrationError
         If the integrator cannot go on.
     """
-    if not (math.isfinite(duration) and duration > 0):
-        raise ParameterError(f'duration is {duration!r}: it must be a positive number of seconds')
     simulator = Simulator(
         pair,
         sample_rate=sample_rate,
@@ -377,4 +391,4 @@ def simulate(
         rtol=rtol,
         atol=atol,
     )
-    return simulator.advance(round(duration * sample_rate))
+    return simulator.advance(simulator.settings.sample_count(duration))
