@@ -28,6 +28,10 @@ DONE, EVENTS_FULL, STUCK, NOT_FINITE = 0, 1, 2, 3
 LONGEST_STEP = 0.05
 """The longest step [s]; only a soft pair at rest comes near it."""
 
+SHORTEST_STEP = 1e-10
+"""The shortest step [s] that the motion itself may ask for: at 1e10 steps a second of model time
+would take hours, so that the parameters must be wrong. Events may cut a step shorter."""
+
 _TINY = 1e-9
 MANY_TINY_STEPS = 10000
 _EVENTS_PER_STEP = 4
@@ -220,9 +224,6 @@ def _choose_length(p, clock, zones, series, y):
     """Set how far the present step goes, and why it ends there."""
     longest = min(LONGEST_STEP, MOST_RADIANS / p.fastest)
     clock.length, clock.ending = min(step_size(p, series, y), longest), CONTROL
-    smallest = 1e-12 / p.wn
-    if clock.length < smallest:
-        clock.tiny_steps = MANY_TINY_STEPS
     to_mesh = max(time_of_phase(p, clock, zones[clock.zone].end) - clock.begin, 0.0)
     if to_mesh <= clock.length:
         clock.length, clock.ending = to_mesh, MESH
@@ -261,8 +262,11 @@ def begin_step(p, clock, zones, profiles, y, series, error, segment, work, enter
         series,
     )
     _choose_length(p, clock, zones, series, y)
+    too_fast = clock.ending == CONTROL and clock.length < SHORTEST_STEP
     _find_contact_change(p, clock, zone, profiles, series, error, segment, work, entered)
-    if clock.length < _TINY / p.wn:
+    if too_fast:
+        clock.tiny_steps = MANY_TINY_STEPS
+    elif clock.length < _TINY / p.wn:
         clock.tiny_steps += 1
     else:
         clock.tiny_steps = 0

@@ -125,7 +125,8 @@ class Sim:
             self._configuration_changed = False
 
     def _reset(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self._simulator.reset()
+        with _one_line():
+            self._simulator.reset()
         self._restart()
         response.success = True
         response.message = 'back to the start, at the present commands'
@@ -169,7 +170,7 @@ class Sim:
 
 
 def _make_simulator(node: Node, pair: GearPair, settings: SimSettings) -> Simulator:
-    with compiling(node, 'the model'):
+    with compiling(node, 'the model'), _one_line():
         simulator = Simulator(
             pair,
             sample_rate=settings.sample_rate,

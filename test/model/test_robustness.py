@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from states import start_from
 
+from gear_dynamics.model.batch import simulate_batch
 from gear_dynamics.model.columns import SAMPLE_COLUMNS, EventKind
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.simulator import IntegrationError, Simulator
+from gear_dynamics.model.stepper import MANY_TINY_STEPS
 
 RPM = np.pi / 30
 
@@ -94,6 +96,36 @@ def test_what_cannot_be_integrated_raises_one_clear_line():
     assert '\n' not in message
     assert 't = 0.00195' in message
     assert 'no longer finite' in message
+
+
+@pytest.mark.parametrize('pinion_mass', [1e-8, 1e-10])
+def test_a_motion_too_fast_to_follow_ends_at_the_floor_of_the_step(pinion_mass):
+    # On its damped tooth pairs so light a body answers within c / m = 5e10 / s and faster.
+    pair = GearPair(pinion_mass=pinion_mass, pinion_inertia=6e-4)
+    assert pair.derived.tooth_pair_damping / pinion_mass > 4e10
+    simulator = Simulator(pair, anti_alias=False)
+    with pytest.raises(IntegrationError) as caught:
+        simulator.advance(51200)
+    assert str(caught.value) == (
+        'the integrator stopped at t = 0 s: the step size fell through its floor; check the '
+        'parameters, or try another rtol than 1e-06'
+    )
+    with pytest.raises(IntegrationError) as caught:
+        simulate_batch([GearPair(), pair], speeds=[100.0, 50.0], duration=0.001)
+    assert str(caught.value) == (
+        'the integrator stopped in row 1 of the batch, at speed 50 rad/s: loosen rtol or check the '
+        'parameters'
+    )
+
+
+def test_events_without_end_stop_the_run():
+    # No parameters are known that lead there. On the time scale given here, 1 / wn of a thousand
+    # years, every step that is cut at an event is next to none.
+    simulator = Simulator(GearPair(), anti_alias=False)
+    simulator._motion.constants['wn'] /= 1e15
+    with pytest.raises(IntegrationError, match='the step size fell through its floor'):
+        simulator.advance(10**7)
+    assert simulator.counters['steps'] <= MANY_TINY_STEPS
 
 
 @pytest.mark.parametrize('anti_alias', [False, True])

@@ -33,6 +33,16 @@ def test_wrong_input_at_the_start_gives_a_line_and_exit_code_2(domain, tmp_path)
             assert all(word in lines[0] for word in words), lines[0]
 
 
+def test_pair_that_cannot_be_integrated_gives_a_line_and_exit_code_1(domain):
+    wrong = {'pinion_mass': 1e-10, 'pinion_inertia': 6e-4}
+    with ros_support.Process('gear_dynamics.nodes.sim', domain, wrong) as sim:
+        assert sim.wait(120) == 1
+        *_, last = sim.output.splitlines()
+        assert last.startswith('gear_sim: the integrator stopped at t = 0 s: the step size fell')
+        assert 'check the parameters' in last
+        assert 'Traceback' not in sim.output
+
+
 def test_argument_that_is_not_for_ros_is_refused(domain):
     with ros_support.Process('gear_dynamics.nodes.sim', domain, command=['fast']) as sim:
         assert sim.wait(60) == 2
