@@ -4,9 +4,11 @@ import dataclasses
 
 import numpy as np
 import pytest
+from ros_support import ROOT
 
 from gear_dynamics.model.columns import EventKind
 from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.layout import AHEAD
 from gear_dynamics.model.mesh import PROFILES
 from gear_dynamics.model.parameter import ParameterError
 from gear_dynamics.model.simulator import Simulator
@@ -145,13 +147,15 @@ def test_standstill_and_back():
     assert simulator.advance(2048)['speed'].mean() == pytest.approx(20.0, rel=0.01)
 
 
-def test_band_limited_stream_takes_commands_a_filter_delay_later():
-    simulator = Simulator(GearPair(), torque_rate_limit=1e6, anti_alias=True)
+@pytest.mark.parametrize(('anti_alias', 'shows_after'), [(True, AHEAD), (False, 1)])
+def test_commands_begin_where_the_stream_is_integrated_to(anti_alias, shows_after):
+    simulator = Simulator(GearPair(), torque_rate_limit=1e6, anti_alias=anti_alias)
     simulator.advance(100)
     simulator.command(load_torque=300.0)
     torque = simulator.advance(200)['load_torque']
-    first = int(np.argmax(torque > 150.0))
-    assert 0 < first <= 26
+    assert int(np.argmax(torque > 150.0)) == shows_after
+    stated = (ROOT / 'docs' / 'interfaces.md').read_text()
+    assert f'{AHEAD} samples ahead of what it hands out, {1e3 * AHEAD / RATE:.2f} ms' in stated
 
 
 def test_change_to_the_same_pair_changes_nothing_even_with_a_tooth_out_of_contact():
