@@ -3,103 +3,27 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
+import errno
 import importlib
+import os
+import signal
 import sys
-from collections.abc import Sequence
+import tempfile
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
-PRESET = 'config/friction_chaos.yaml'
-DEFAULT = 'the default pair'
+from gear_dynamics.study.catalogue import DEFAULT, PRESET, RANGES, STUDIES, Option, Study
 
+if TYPE_CHECKING:
+    from gear_dynamics.study.operation import Operation
+    from gear_dynamics.study.outcome import Outcome
 
-class Study(NamedTuple):
-    """What the command line knows of a study.
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
-    Attributes
-    ----------
-    summary : str
-    operation : str
-        Function of `gear_dynamics.study` that gives what is studied without --params.
-    options : dict of str to (default, help)
-        Options and the function's arguments of the same names; the default's type is the
-        option's. A tuple takes as many values, a list one or more.
-    """
-
-    summary: str
-    operation: str
-    options: dict[str, tuple[Any, str]]
-
-
-_FRICTIONS = 'friction coefficients to compare'
-_TRANSIENT = 'mesh cycles before each record'
-_COUNT = 'values in the range'
-
-STUDIES = {
-    'spectrum': Study(
-        'RMS and mesh harmonics with and without friction, and a map over phase and speed',
-        'default_operation',
-        {
-            'frictions': ((0.0, 0.03), 'two friction coefficients to compare'),
-            'phases': (24, 'phases of the transmission error in the map; 0 for no map'),
-            'speeds': (40, 'speeds in the map'),
-            'slowest': (20.0, 'lowest speed of the map [rad/s]'),
-            'fastest': (1200.0, 'highest speed of the map [rad/s]'),
-            'transient': (300, _TRANSIENT),
-        },
-    ),
-    'lyapunov': Study(
-        'all Lyapunov exponents with standard errors, from several initial states',
-        'friction_chaos',
-        {
-            'frictions': ([0.0, 0.03, 0.05], _FRICTIONS),
-            'initial_states': (6, 'initial states for each friction coefficient'),
-            'transient': (500, _TRANSIENT),
-            'cycles': (10000, 'mesh cycles in each record'),
-        },
-    ),
-    'bifurcation': Study(
-        'orbit diagrams and largest exponents along a parameter, swept up and down',
-        'friction_chaos',
-        {
-            'frictions': ([0.0, 0.03], _FRICTIONS),
-            'parameter': ('w', 'what is swept: w, speed, load_torque or a parameter of the pair'),
-            'begin': (0.4, 'beginning of the range'),
-            'end': (2.0, 'end of the range'),
-            'count': (600, _COUNT),
-            'transient': (300, _TRANSIENT),
-            'cycles': (150, 'mesh cycles in each record'),
-        },
-    ),
-    'attractor': Study(
-        'history, spectrum, phase portrait, section and exponents of one motion',
-        'friction_chaos',
-        {
-            'frictions': ([0.0, 0.03, 0.05], _FRICTIONS),
-            'transient': (1000, _TRANSIENT),
-            'cycles': (4000, 'mesh cycles in the record'),
-        },
-    ),
-    'basins': Study(
-        'which attractor each initial state reaches',
-        'friction_chaos',
-        {
-            'size': (80, 'initial states along each side of the picture'),
-            'reach': ((2.0, 1.0), 'greatest delta / b and delta_dot / (b wn)'),
-            'transient': (400, _TRANSIENT),
-        },
-    ),
-    'response': Study(
-        'RMS and peaks against speed, swept up and down, with the jumps',
-        'default_operation',
-        {
-            'begin': (0.05, 'lowest mesh frequency over wn'),
-            'end': (1.5, 'highest mesh frequency over wn'),
-            'count': (300, _COUNT),
-            'transient': (300, _TRANSIENT),
-        },
-    ),
-}
+STOPPED = 130
+"""Exit code after SIGINT, as shells have it, and after SIGTERM."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -109,12 +33,18 @@ def main(argv: Sequence[str] | None = None) -> int:
     from gear_dynamics.study.cluster import ClusterError
 
     try:
-        _run(arguments)
+        with _sigterm_as_sigint():
+            _run(arguments)
     except KeyboardInterrupt:
-        print('study: stopped; the same command goes on from here', file=sys.stderr)
-        return 130
+        print('study: stopped; the same command goes on from what is finished', file=sys.stderr)
+        return STOPPED
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
     except OSError as error:
-        print(f'study: {error.filename or "disk"}: {error.strerror or error}', file=sys.stderr)
+        print(f'study: {_disk_words(error, arguments.output)}', file=sys.stderr)
+    except MemoryError:
+        print('study: too little memory: ask for less at once', file=sys.stderr)
     except (ValueError, IntegrationError, ClusterError) as error:
         print(f'study: {error}', file=sys.stderr)
     else:
@@ -122,32 +52,113 @@ def main(argv: Sequence[str] | None = None) -> int:
     return 2
 
 
+@contextlib.contextmanager
+def _sigterm_as_sigint() -> Iterator[None]:
+    """Let SIGTERM end a study as Ctrl-C does."""
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def _disk_words(error: OSError, output: Path) -> str:
+    """Return what is wrong with the output directory, and the remedy."""
+    remedy = 'name another directory with --output'
+    if error.errno in FULL:
+        remedy = 'make room, and the same command goes on from what is finished'
+    return f'{error.filename or output}: {error.strerror or error}: {remedy}'
+
+
 def _run(arguments: argparse.Namespace) -> None:
     from gear_dynamics import study
-    from gear_dynamics.study.figures.style import save_figure
-    from gear_dynamics.study.outcome import write_outcome
 
-    about = STUDIES[arguments.study]
+    values = _checked_values(arguments)
+    operation = _operation(arguments)
+    _refuse_existing(arguments)
+    parts = arguments.output / f'.{arguments.study}_parts'
+    with contextlib.closing(
+        study.Runner(parts, arguments.cluster, progress=not arguments.quiet)
+    ) as runner:
+        if arguments.cluster in (None, 'local'):
+            _compile()
+        outcome = getattr(study, arguments.study)(operation, runner=runner, **values)
+    paths = _write(arguments, outcome)
+    runner.forget()
+    print(outcome.text)
+    if runner.taken:
+        count = runner.taken + runner.computed
+        print(f'\n{runner.taken} of {count} tasks had been finished before.')
+    print(f'\n{", ".join(str(path) for path in paths)}')
+
+
+def _checked_values(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Return the options of the study by name.
+
+    Raises
+    ------
+    ValueError
+        If one is out of its range, or the beginning of a range is not below its end.
+    """
+    options = STUDIES[arguments.study].options
+    values = {name: getattr(arguments, name) for name in options}
+    for name, value in values.items():
+        for each in value if isinstance(value, list | tuple) else [value]:
+            options[name].check(name, each)
+    for first, last in RANGES:
+        if first in values and not values[first] < values[last]:
+            raise ValueError(
+                f'--{first} {values[first]:g} is not below --{last} {values[last]:g}: exchange them'
+            )
+    return values
+
+
+def _operation(arguments: argparse.Namespace) -> Operation:
+    from gear_dynamics import study
+
     if arguments.params:
         operation = study.read_operation(arguments.params)
     else:
-        operation = getattr(study, about.operation)()
+        operation = getattr(study, STUDIES[arguments.study].operation)()
     for name, value in arguments.set:
         operation = operation.with_value(name, value)
-    values = {name: getattr(arguments, name) for name in about.options}
-    parts = arguments.output / f'.{arguments.study}_parts'
-    runner = study.Runner(parts, arguments.cluster, progress=not arguments.quiet)
-    try:
-        outcome = getattr(study, arguments.study)(operation, runner=runner, **values)
-    finally:
-        runner.close()
-    files = write_outcome(outcome, arguments.output)
-    figure = arguments.output / f'{outcome.name}.png'
+    return operation
+
+
+def _refuse_existing(arguments: argparse.Namespace) -> None:
+    path = arguments.output / f'{arguments.study}.npz'
+    if path.exists():
+        raise ValueError(f'{path} exists: move it, or name another directory with --output')
+
+
+def _compile() -> None:
+    # Where the help is asked for or an option is wrong, nothing must be loaded.
+    from gear_dynamics.compiling import announced
+    from gear_dynamics.study.warm_up import warm_up
+
+    with announced('the model', lambda line: print(f'study: {line}', file=sys.stderr, flush=True)):
+        warm_up()
+
+
+def _write(arguments: argparse.Namespace, outcome: Outcome) -> list[Path]:
+    """Write data, text and figure; return the paths of the files.
+
+    They come to their places when all are written, so that a full disk leaves no half of a result.
+    """
+    from gear_dynamics.study.figures.style import save_figure
+    from gear_dynamics.study.outcome import write_outcome
+
     draw = importlib.import_module(f'gear_dynamics.study.figures.{arguments.study}').draw
-    save_figure(draw, outcome.arrays, figure)
-    runner.forget()
-    print(outcome.text)
-    print(f'\n{", ".join(str(path) for path in [figure, *files])}')
+    with tempfile.TemporaryDirectory(prefix='.unfinished_', dir=arguments.output) as folder:
+        figure = Path(folder) / f'{outcome.name}.png'
+        save_figure(draw, outcome.arrays, figure)
+        # The NPZ last: where it is, all is.
+        files = sorted([figure, *write_outcome(outcome, Path(folder))], key=_is_npz)
+        return [path.replace(arguments.output / path.name) for path in files]
+
+
+def _is_npz(path: Path) -> bool:
+    return path.suffix == '.npz'
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -161,8 +172,8 @@ def _parser() -> argparse.ArgumentParser:
     for name, about in STUDIES.items():
         one = studies.add_parser(name, help=about.summary, description=about.summary)
         _add_common(one, about)
-        for option, (default, text) in about.options.items():
-            _add_option(one, option, default, text)
+        for option, what in about.options.items():
+            _add_option(one, option, what)
     return parser
 
 
@@ -197,7 +208,8 @@ def _add_common(parser: argparse.ArgumentParser, about: Study) -> None:
     parser.add_argument('--quiet', action='store_true', help='no progress bar')
 
 
-def _add_option(parser: argparse.ArgumentParser, name: str, default: Any, text: str) -> None:
+def _add_option(parser: argparse.ArgumentParser, name: str, option: Option) -> None:
+    default = option.default
     several = isinstance(default, tuple | list)
     kind: type = type(default[0]) if several else type(default)
     shown = ' '.join(f'{each:g}' for each in default) if several else default
@@ -207,7 +219,7 @@ def _add_option(parser: argparse.ArgumentParser, name: str, default: Any, text: 
         nargs='+' if isinstance(default, list) else len(default) if several else None,
         default=default,
         metavar=kind.__name__.upper(),
-        help=f'{text}; by default {shown}',
+        help=f'{option.text}; by default {shown}',
     )
 
 

@@ -18,6 +18,9 @@ from gear_dynamics.model.run_settings import RunSettings
 FREQUENCY_RATIO = 'w'
 """Name of the ratio of the mesh frequency to wn; it stands for the speed."""
 
+RUN_NAMES = ('speed', 'load_torque')
+"""What is studied beside the parameters of the pair."""
+
 
 class Operation(NamedTuple):
     """A gear pair at work.
@@ -54,13 +57,19 @@ class Operation(NamedTuple):
             If there is no such number, or the value is out of its range.
         """
         if name == FREQUENCY_RATIO:
-            return self._replace(speed=value * self.pair.derived.wn / self.pair.pinion_teeth)
+            try:
+                return self.with_value(
+                    'speed', value * self.pair.derived.wn / self.pair.pinion_teeth
+                )
+            except ParameterError as error:
+                raise ParameterError(f'w is {value:g}: {error}') from None
         changed: dict[str, Any] = {name: value}
-        if name in ('speed', 'load_torque'):
-            return self._replace(**changed)
+        if name in RUN_NAMES:
+            run = _run_settings(changed)
+            return self._replace(**{name: getattr(run, name)})
         numbers = [a.name for a in self.pair.parameters() if isinstance(a.default, float)]
         if name not in numbers:
-            known = ', '.join([FREQUENCY_RATIO, 'speed', 'load_torque', *numbers])
+            known = ', '.join([FREQUENCY_RATIO, *RUN_NAMES, *numbers])
             raise ParameterError(f'{name} cannot be varied; known are {known}')
         return self._replace(pair=dataclasses.replace(self.pair, **changed))
 
@@ -80,9 +89,18 @@ def read_operation(path: str | Path) -> Operation:
     """
     pair = GearPair.from_yaml(path)
     values = parameter_files.read_parameters(path)
-    names = ('speed', 'load_torque')
-    run = RunSettings.from_mapping({name: values[name] for name in names if name in values})
+    try:
+        run = _run_settings({name: values[name] for name in RUN_NAMES if name in values})
+    except ParameterError as error:
+        raise ParameterError(f'{path}: {error}') from None
     return Operation(pair, run.speed, run.load_torque)
+
+
+def _run_settings(values: dict[str, Any]) -> RunSettings:
+    run = RunSettings.from_mapping(values)
+    if run.speed == 0:
+        raise ParameterError('speed is 0: it must be positive, as a study counts mesh cycles')
+    return run
 
 
 def default_operation() -> Operation:

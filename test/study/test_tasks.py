@@ -1,10 +1,14 @@
+import errno
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from gear_dynamics.study.initial import scattered_states
-from gear_dynamics.study.lyapunov_table import spectrum_task
+from gear_dynamics.configuration import versions
+from gear_dynamics.study import parts
 from gear_dynamics.study.operation import friction_chaos
-from gear_dynamics.study.tasks import Runner, chunks, fingerprint
+from gear_dynamics.study.parts import fingerprint
+from gear_dynamics.study.tasks import Runner, chunks
 
 CALLS = []
 
@@ -34,13 +38,57 @@ def test_an_interrupted_study_goes_on_from_what_it_had(tmp_path):
     assert [int(each['square']) for each in results] == [0, 1, 4, 9, 16]
 
 
-def test_a_part_cut_short_while_written_is_not_taken_for_a_result(tmp_path):
+def _damages(content):
+    middle = len(content) // 2
+    flipped = bytes([content[middle] ^ 1])
+    return [b'', content[:20], content[:-1], content[:middle] + flipped + content[middle + 1 :]]
+
+
+@pytest.mark.parametrize('damage', range(4))
+def test_a_damaged_part_is_computed_again_and_the_others_are_not(tmp_path, damage):
+    arguments = [{'x': x} for x in range(3)]
+    Runner(tmp_path).run(square, arguments)
+    part = sorted(tmp_path.glob('*.part'))[damage % 3]
+    part.write_bytes(_damages(part.read_bytes())[damage])
     CALLS.clear()
-    Runner(tmp_path).run(square, [{'x': 7}])
-    (part,) = tmp_path.glob('*.npz')
-    part.rename(part.with_suffix('.unfinished'))
-    assert int(Runner(tmp_path).run(square, [{'x': 7}])[0]['square']) == 49
-    assert CALLS == [7, 7]
+    runner = Runner(tmp_path)
+    assert [int(each['square']) for each in runner.run(square, arguments)] == [0, 1, 4]
+    assert len(CALLS) == runner.computed == 1
+    assert runner.taken == 2
+
+
+def test_results_of_other_code_are_not_taken(tmp_path, monkeypatch):
+    other = {**parts.code(), 'sources': 'other'}
+    with monkeypatch.context() as patch:
+        patch.setattr(parts, 'code', lambda: other)
+        Runner(tmp_path).run(square, [{'x': 7}])
+    CALLS.clear()
+    runner = Runner(tmp_path)
+    runner.run(square, [{'x': 7}])
+    assert CALLS == [7]
+    assert len(list(tmp_path.iterdir())) == 2
+    runner.forget()
+    assert not tmp_path.exists()
+
+
+def test_code_is_told_by_versions_and_sources():
+    assert parts.code()['numpy'] == np.__version__
+    assert set(parts.code()) == {*versions(), 'sources'}
+
+
+def test_a_disk_that_is_full_keeps_what_was_there(tmp_path, monkeypatch):
+    arguments = [{'x': x} for x in range(3)]
+    Runner(tmp_path).run(square, arguments[:2])
+    whole = Path.write_bytes
+
+    def write_half(path, content):
+        whole(path, content[: len(content) // 2])
+        raise OSError(errno.ENOSPC, 'No space left on device')
+
+    monkeypatch.setattr(Path, 'write_bytes', write_half)
+    with pytest.raises(OSError, match='No space'):
+        Runner(tmp_path).run(square, arguments)
+    assert len(list(tmp_path.iterdir())) == 2
 
 
 def test_parts_go_when_the_study_is_written(tmp_path):
@@ -48,6 +96,16 @@ def test_parts_go_when_the_study_is_written(tmp_path):
     runner.run(square, [{'x': 1}])
     runner.forget()
     assert not (tmp_path / 'parts').exists()
+
+
+def test_parts_of_another_study_stay(tmp_path):
+    Runner(tmp_path).run(square, [{'x': 1}])
+    runner = Runner(tmp_path)
+    runner.run(square, [{'x': 2}])
+    runner.forget()
+    runner = Runner(tmp_path)
+    runner.run(square, [{'x': 1}, {'x': 2}])
+    assert (runner.taken, runner.computed) == (1, 1)
 
 
 def test_fingerprints_tell_arguments_apart():
@@ -65,29 +123,3 @@ def test_fingerprints_tell_arguments_apart():
 
 def test_chunks_cover_all():
     assert [list(range(10))[part] for part in chunks(10, 4)] == [[0, 1, 2, 3], [4, 5, 6, 7], [8, 9]]
-
-
-def test_a_result_is_the_same_on_a_cluster():
-    distributed = pytest.importorskip('distributed', reason='dask is not installed')
-    operation = friction_chaos()
-    arguments = [
-        {
-            'operation': operation,
-            'states': scattered_states(operation, 2),
-            'transient': 10,
-            'cycles': cycles,
-            'nearby': 10,
-        }
-        for cycles in (30, 40)
-    ]
-    here = Runner().run(spectrum_task, arguments)
-    # Workers in this process: the compiled kernels are at hand.
-    with distributed.LocalCluster(
-        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None
-    ) as cluster:
-        runner = Runner(cluster=cluster.scheduler_address)
-        there = runner.run(spectrum_task, arguments)
-        runner.close()
-    for one, other in zip(here, there, strict=True):
-        for name in one:
-            assert np.array_equal(one[name], other[name]), name
