@@ -8,8 +8,17 @@ import numpy as np
 
 from gear_dynamics.analysis.spectrum import amplitude_spectrum
 from gear_dynamics.model.cycles import run_cycles
-from gear_dynamics.study.initial import first_variations, scattered_states
-from gear_dynamics.study.lyapunov_table import Finding, finding
+from gear_dynamics.study.initial import scattered_states
+from gear_dynamics.study.lyapunov_table import (
+    UNITS,
+    Finding,
+    convergence_table,
+    finding,
+    finding_arrays,
+    nearby_cycles,
+    spectrum_task,
+    unsettled_words,
+)
 from gear_dynamics.study.operation import Operation
 from gear_dynamics.study.outcome import Outcome
 from gear_dynamics.study.tasks import Arrays, Runner
@@ -23,28 +32,38 @@ SAMPLES = 64
 """Samples in a mesh cycle."""
 
 
+SAMPLED_UNITS = {
+    'tau': '1',
+    'delta': 'b',
+    'delta_dot': 'b wn',
+    'order': '1',
+    'amplitude': 'b',
+}
+
+
 def attractor_task(operation: Operation, transient: int, cycles: int) -> Arrays:
     """Return history, spectrum, section and growth of one motion."""
-    run = ([operation.pair], operation.speed, operation.load_torque)
-    states, vectors = scattered_states(operation, 1), first_variations(1)
-    before = run_cycles(*run, transient, states=states, vectors=vectors)
-    after = run_cycles(*run, cycles, states=before.states, vectors=before.vectors)
-    sampled = run_cycles(*run, SPECTRUM_CYCLES, states=after.states, samples_per_cycle=SAMPLES)
+    nearby = nearby_cycles(cycles)
+    found = spectrum_task(operation, scattered_states(operation, 1), transient, cycles, nearby)
+    sampled = run_cycles(
+        [operation.pair],
+        operation.speed,
+        operation.load_torque,
+        SPECTRUM_CYCLES,
+        states=found['states'],
+        samples_per_cycle=SAMPLES,
+    )
     b, wn = operation.pair.half_backlash, operation.pair.derived.wn
     delta = sampled.samples[0]['delta'] / b
     slope = sampled.samples[0]['delta_dot'] / (b * wn)
     order, lines = amplitude_spectrum(delta - delta.mean(), SAMPLES, length=len(delta) // 2)
     shown, low = slice(SHOWN * SAMPLES), order <= 4
-    return {
+    return found | {
         'tau': sampled.samples[0]['t'][shown] * wn,
         'delta': delta[shown],
         'delta_dot': slope[shown],
         'order': order[low],
         'amplitude': lines[low],
-        'sections': operation.scaled(after.sections),
-        'growth': after.growth,
-        'divergence': after.divergence,
-        'nearby': after.growth[:, :, 0],
     }
 
 
@@ -81,23 +100,27 @@ def attractor(
     names = ('tau', 'delta', 'delta_dot', 'order', 'amplitude', 'sections')
     arrays = {name: np.array([result[name] for result in results]) for name in names}
     arrays['sections'] = arrays['sections'][:, 0]
-    arrays |= {
-        'friction': np.array(frictions),
-        'kind': np.array([each.kind.words for each in findings]),
-        'exponents': np.array([each.exponents.values for each in findings]),
-        'standard_errors': np.array([each.exponents.standard_errors for each in findings]),
-    }
-    return Outcome('attractor', _text(operation, findings), _table(arrays), arrays)
+    arrays |= finding_arrays(findings)
+    return Outcome(
+        'attractor',
+        _text(operation, findings),
+        _table(arrays),
+        arrays,
+        UNITS | SAMPLED_UNITS,
+        {'_convergence': convergence_table(findings)},
+    )
 
 
 def _text(operation: Operation, findings: Sequence[Finding]) -> str:
     lines = [f'w = {operation.frequency_ratio:.4f}, load torque {operation.load_torque:g} N m']
     for each in findings:
-        value, error = each.exponents.values[0], each.exponents.standard_errors[0]
         lines.append(
-            f'mu = {each.friction:g}: {each.kind.words}, largest exponent {value:+.4f} '
-            f'+- {error:.4f} per tau'
+            f'mu = {each.friction:g}: {each.kind.words}, by two nearby motions {each.nearby:+.4f} '
+            f'+- {each.nearby_error:.4f} per tau, by variations'
         )
+        pairs = zip(each.exponents.values, each.exponents.standard_errors, strict=True)
+        lines.append('  ' + ', '.join(f'{value:+.4f} +- {error:.4f}' for value, error in pairs))
+        lines += unsettled_words([each])
     worst = max(each.sum_error for each in findings)
     lines.append(f'The sum of the exponents differs from the mean divergence by {worst:.1e} of it')
     return '\n'.join(lines)
@@ -107,7 +130,7 @@ def _table(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     count = arrays['sections'].shape[1]
     return {
         'friction_coefficient [1]': np.repeat(arrays['friction'], count),
-        'cycle': np.tile(np.arange(count), len(arrays['friction'])),
+        'cycle [cycles]': np.tile(np.arange(count), len(arrays['friction'])),
         'delta [b]': arrays['sections'][..., 0].ravel(),
         'delta_dot [b wn]': arrays['sections'][..., 1].ravel(),
     }

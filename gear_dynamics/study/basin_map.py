@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from gear_dynamics.analysis.regime import recurrence_period
 from gear_dynamics.model.cycles import run_cycles
 from gear_dynamics.study.initial import states_at
-from gear_dynamics.study.kind import LONGEST_PERIOD, RECURS
+from gear_dynamics.study.judgement import judge
+from gear_dynamics.study.kind import LONGEST_PERIOD
 from gear_dynamics.study.operation import Operation
 from gear_dynamics.study.outcome import Outcome
 from gear_dynamics.study.tasks import Arrays, Runner
@@ -17,27 +17,35 @@ RECORD = 4 * LONGEST_PERIOD
 SAME = 0.01
 """Distance over half the backlash within which two periodic motions are one attractor."""
 
-IRREGULAR = 'no period'
+UNITS = {
+    'delta': 'b',
+    'delta_dot': 'b wn',
+    'label': '1',
+    'names': '-',
+    'share': '1',
+    'exponent': '1/tau',
+    'exponent_error': '1/tau',
+}
 
 
 def basins_task(
     operation: Operation, delta: np.ndarray, delta_dot: float, transient: int
 ) -> Arrays:
-    """Return period and mean section point of the motions from one row of initial states."""
+    """Return kind, largest exponent and mean section point of the motions from a row of states."""
     states = states_at(operation, delta, np.full(len(delta), delta_dot))
-    run = run_cycles(
-        [operation.pair] * len(delta),
-        operation.speed,
-        operation.load_torque,
-        transient + RECORD,
-        states=states,
-    )
-    sections = operation.scaled(run.sections[:, transient:])
-    periods = [recurrence_period(each, RECURS, LONGEST_PERIOD)[0] for each in sections]
+    pairs = [operation.pair] * len(delta)
+    run = run_cycles(pairs, operation.speed, operation.load_torque, transient, states=states)
+    judged = judge([operation] * len(delta), run.states, RECORD, k=1)
     means = [
-        each[: period or None].mean(axis=0) for each, period in zip(sections, periods, strict=True)
+        each[: period or None].mean(axis=0)
+        for each, period in zip(judged['sections'], judged['period'], strict=True)
     ]
-    return {'period': np.array(periods), 'mean': np.array(means)}
+    return {
+        'kind': judged['kind'],
+        'mean': np.array(means),
+        'exponent': judged['exponents'][:, 0],
+        'exponent_error': judged['standard_errors'][:, 0],
+    }
 
 
 def basins(
@@ -51,7 +59,9 @@ def basins(
     """Return the attractor that each initial state (delta, delta_dot) reaches.
 
     The bodies begin at rest where the static load puts them, at mesh phase 0. Motions with a
-    period are told apart by it and by their mean on the section; all others count as one.
+    period are told apart by it and by their mean on the section; all chaotic ones count as one
+    attractor, all quasi-periodic ones as another, and what stays undecided (`judgement.judge`) as
+    a third.
 
     Parameters
     ----------
@@ -77,37 +87,39 @@ def basins(
         for each in delta_dot
     ]
     results = runner.run(basins_task, arguments, 'basins')
-    periods = np.array([result['period'] for result in results])
-    means = np.array([result['mean'] for result in results])
-    labels, names = attractors(periods.ravel(), means.reshape(-1, 2))
+    joined = {name: np.concatenate([each[name] for each in results]) for name in results[0]}
+    labels, names = attractors(joined['kind'], joined['mean'])
     arrays = {
         'delta': delta,
         'delta_dot': delta_dot,
         'label': labels.reshape(size, size),
         'names': np.array(names),
         'share': np.bincount(labels, minlength=len(names)) / labels.size,
+        'exponent': joined['exponent'].reshape(size, size),
+        'exponent_error': joined['exponent_error'].reshape(size, size),
     }
-    return Outcome('basins', _text(operation, arrays), _table(arrays), arrays)
+    return Outcome('basins', _text(operation, arrays), _table(arrays), arrays, UNITS)
 
 
-def attractors(periods: np.ndarray, means: np.ndarray) -> tuple[np.ndarray, list[str]]:
+def attractors(kinds: np.ndarray, means: np.ndarray) -> tuple[np.ndarray, list[str]]:
     """Return the number of each motion's attractor, the most frequent first, and their names."""
-    found: list[tuple[int, np.ndarray]] = []
-    numbers = np.empty(len(periods), dtype=int)
-    for i, (period, mean) in enumerate(zip(periods, means, strict=True)):
+    found: list[tuple[str, np.ndarray]] = []
+    numbers = np.empty(len(kinds), dtype=int)
+    for i, (kind, mean) in enumerate(zip(kinds, means, strict=True)):
+        periodic = kind.startswith('period-')
         for j, (known, centre) in enumerate(found):
-            if period == known and (period == 0 or np.abs(mean - centre).max() < SAME):
+            if kind == known and (not periodic or np.abs(mean - centre).max() < SAME):
                 numbers[i] = j
                 break
         else:
             numbers[i] = len(found)
-            found.append((int(period), mean))
+            found.append((str(kind), mean))
     order = np.argsort(-np.bincount(numbers), kind='stable')
     rank = np.empty_like(order)
     rank[order] = np.arange(len(order))
     names = [
-        f'period-{found[j][0]} about {found[j][1][0]:.3f} b' if found[j][0] else IRREGULAR
-        for j in order
+        f'{kind} about {mean[0]:.3f} b' if kind.startswith('period-') else kind
+        for kind, mean in (found[j] for j in order)
     ]
     return rank[numbers], names
 
@@ -129,5 +141,7 @@ def _table(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     return {
         'delta [b]': delta.ravel(),
         'delta_dot [b wn]': slope.ravel(),
-        'attractor': arrays['names'][arrays['label'].ravel()],
+        'attractor [-]': arrays['names'][arrays['label'].ravel()],
+        'largest_exponent [1/tau]': arrays['exponent'].ravel(),
+        'largest_exponent_error [1/tau]': arrays['exponent_error'].ravel(),
     }

@@ -36,9 +36,9 @@ class Exponents(NamedTuple):
         How many cycles those are.
     discarded : int
         Cycles that were judged a transient.
-    settled : bool
-        Whether the halves of what is left agree in the largest exponent, within AGREE standard
-        errors. A record that is not settled may be a long transient.
+    settled : (k,) array of bool
+        Whether the halves of what is left agree in each exponent, within AGREE standard errors. A
+        record that is not settled may be a long transient.
     """
 
     values: np.ndarray
@@ -46,7 +46,7 @@ class Exponents(NamedTuple):
     convergence: np.ndarray
     convergence_cycles: np.ndarray
     discarded: int
-    settled: bool
+    settled: np.ndarray
 
 
 def exponents(growth: np.ndarray, cycle: float) -> Exponents:
@@ -68,12 +68,11 @@ def exponents(growth: np.ndarray, cycle: float) -> Exponents:
     if len(growth) < 2 * BATCHES:
         raise ValueError(f'{len(growth)} cycles are too few: give {2 * BATCHES} or more')
     rates = growth / cycle
-    discarded, settled = transient(rates[:, 0])
+    discarded = transient(rates)
     kept = rates[discarded:]
     values = kept.mean(axis=0)
     order = np.argsort(-values, kind='stable')
-    cycles = np.unique(np.linspace(len(kept) / RECORD, len(kept), RECORD).astype(int))
-    cycles = cycles[cycles > 0]
+    cycles = np.ceil(np.linspace(len(kept) / RECORD, len(kept), RECORD)).astype(int)
     running = np.cumsum(kept, axis=0)[cycles - 1] / cycles[:, np.newaxis]
     return Exponents(
         values[order],
@@ -81,8 +80,26 @@ def exponents(growth: np.ndarray, cycle: float) -> Exponents:
         running[:, order],
         cycles,
         discarded,
-        settled,
+        halves_agree(kept)[order],
     )
+
+
+def exponent_columns(values: np.ndarray, errors: np.ndarray) -> dict[str, np.ndarray]:
+    """Return the columns of a table for exponents and their errors, (..., k)."""
+    columns = {}
+    for i in range(values.shape[-1]):
+        columns[f'exponent_{i + 1} [1/tau]'] = values[..., i]
+        columns[f'exponent_{i + 1}_error [1/tau]'] = errors[..., i]
+    return columns
+
+
+def sum_error(sums: np.ndarray, divergence: np.ndarray) -> np.ndarray:
+    """Return by how much sums of all exponents differ from the mean divergence, over that.
+
+    Without any damping the divergence is zero, and the difference is returned as it is.
+    """
+    scale = np.abs(divergence)
+    return (sums - divergence) / np.where(scale > 0, scale, 1.0)
 
 
 def standard_error(rows: np.ndarray) -> np.ndarray:
@@ -95,23 +112,23 @@ def standard_error(rows: np.ndarray) -> np.ndarray:
     return parts.mean(axis=1).std(axis=0, ddof=1) / math.sqrt(BATCHES)
 
 
-def transient(series: np.ndarray) -> tuple[int, bool]:
-    """Return how much of the beginning is a transient, and whether the rest is settled.
+def transient(rates: np.ndarray) -> int:
+    """Return how much of the beginning is a transient, from the rates, (cycles, k).
 
-    Of CUTS, that which leaves the smallest standard error (White 1997, the marginal standard error
-    rule) among those after which the two halves agree within AGREE standard errors.
+    Of CUTS, that which leaves the smallest standard error of the first column (White 1997, the
+    marginal standard error rule) among those after which the halves agree in most columns.
     """
-    begins = [int(cut * len(series)) for cut in CUTS]
-    agreeing = [begin for begin in begins if _halves_agree(series[begin:])]
-    if not agreeing:
-        return begins[-1], False
-    return min(agreeing, key=lambda begin: float(standard_error(series[begin:]))), True
+    begins = [int(cut * len(rates)) for cut in CUTS]
+    agreeing = [int(halves_agree(rates[begin:]).sum()) for begin in begins]
+    best = [b for b, count in zip(begins, agreeing, strict=True) if count == max(agreeing)]
+    return min(best, key=lambda begin: float(standard_error(rates[begin:, 0])))
 
 
-def _halves_agree(series: np.ndarray) -> bool:
-    middle = len(series) // 2
-    early, late = series[:middle], series[middle:]
+def halves_agree(rates: np.ndarray) -> np.ndarray:
+    """Return for each column whether the means of the halves agree within AGREE standard errors."""
+    middle = len(rates) // 2
     if middle < BATCHES:
-        return False
-    error = math.hypot(standard_error(early), standard_error(late))
-    return bool(abs(early.mean() - late.mean()) <= AGREE * error + _FLOOR)
+        return np.zeros(rates.shape[1], bool)
+    early, late = rates[:middle], rates[middle:]
+    error = np.hypot(standard_error(early), standard_error(late))
+    return np.abs(early.mean(axis=0) - late.mean(axis=0)) <= AGREE * error + _FLOOR

@@ -6,42 +6,104 @@ import math
 
 import numpy as np
 
-from gear_dynamics.analysis.regime import recurrence_period
 from gear_dynamics.model.cycles import run_cycles
-from gear_dynamics.study.kind import RECURS
+from gear_dynamics.study.initial import scattered_states
+from gear_dynamics.study.judgement import judge, unzip
+from gear_dynamics.study.kind import LONGEST_PERIOD, kind_shares
 from gear_dynamics.study.operation import FREQUENCY_RATIO, Operation
-from gear_dynamics.study.orbit_diagram import DOWN, UP, follow, unzip
 from gear_dynamics.study.outcome import Outcome
+from gear_dynamics.study.sweep import by_value, chain_along, follow
 from gear_dynamics.study.tasks import Arrays, Runner, chunks
+
+JUDGED = 128
+"""Mesh cycles from which the kind of a motion is told."""
 
 RECORD, SAMPLES = 32, 128
 """Mesh cycles in a record, and samples in one."""
 
+PARTS = 20
+"""Records of a motion without a period, whose RMS has a standard error from them."""
+
 AT_ONCE = 60
 
 JUMP = 0.1
-"""Change of the RMS over b from one value to the next that counts as a jump, if one of the two
-motions has a period: between irregular ones the RMS of so short a record differs anyway."""
+"""Change of the RMS over b from one value to the next that counts as a jump, if it is FAR standard
+errors too."""
 
-LONGEST_PERIOD = 8
+FAR = 4.0
+
+UNITS = {
+    'rms': 'b',
+    'rms_error': 'b',
+    'least': 'b',
+    'greatest': 'b',
+    'force_rms': 'N',
+    'force_rms_error': 'N',
+    'kind': '-',
+    'period': 'cycles',
+    'exponent': '1/tau',
+    'exponent_error': '1/tau',
+    'w': '1',
+    'speed': 'rad/s',
+}
 
 
 def response_task(operations: list[Operation], states: np.ndarray) -> Arrays:
-    """Return RMS, least and greatest delta / b, RMS of the mesh force [N], and the period."""
-    pairs, speeds, torques = unzip(operations)
-    run = run_cycles(pairs, speeds, torques, RECORD, states=states, samples_per_cycle=SAMPLES)
-    b = np.array([each.pair.half_backlash for each in operations])
-    delta = run.samples['delta'] / b[:, np.newaxis]
-    sections = [
-        each.scaled(section) for each, section in zip(operations, run.sections, strict=True)
-    ]
+    """Return RMS, extremes and kind of motions, by the names of UNITS.
+
+    The RMS of a motion with a period is over as many whole periods as RECORD cycles hold, and has
+    no error; that of another is over PARTS records.
+    """
+    judged = judge(operations, states, JUDGED, k=1)
+    period = judged['period']
+    whole = np.where(period > 0, RECORD // np.maximum(period, 1) * period, RECORD)
+    moments, ends = _moments(operations, judged['states'], whole)
+    parts = np.repeat(moments[:, np.newaxis], PARTS, axis=1)
+    others = np.flatnonzero(period == 0)
+    ends = ends[others]
+    for i in range(1, PARTS if others.size else 1):
+        rows = [operations[j] for j in others]
+        parts[others, i], ends = _moments(rows, ends, whole[others])
+    rms, error = rms_of_parts(parts[..., 0], parts[..., 1])
+    force_rms, force_error = rms_of_parts(parts[..., 2], parts[..., 3])
     return {
-        'period': np.array([recurrence_period(s, RECURS, LONGEST_PERIOD)[0] for s in sections]),
-        'rms': delta.std(axis=1),
-        'least': delta.min(axis=1),
-        'greatest': delta.max(axis=1),
-        'force_rms': run.samples['mesh_force'].std(axis=1),
+        'rms': rms,
+        'rms_error': error,
+        'least': parts[..., 4].min(axis=1),
+        'greatest': parts[..., 5].max(axis=1),
+        'force_rms': force_rms,
+        'force_rms_error': force_error,
+        'kind': judged['kind'],
+        'period': period,
+        'exponent': judged['exponents'][:, 0],
+        'exponent_error': judged['standard_errors'][:, 0],
     }
+
+
+def _moments(
+    operations: list[Operation], states: np.ndarray, whole: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return moments of the motions over the first `whole` of RECORD cycles, and the end states.
+
+    (n, 6): mean and mean square of delta / b and of the mesh force; least and greatest delta / b.
+    """
+    run = run_cycles(*unzip(operations), RECORD, states=states, samples_per_cycle=SAMPLES)
+    rows = []
+    for each, samples, cycles in zip(operations, run.samples, whole, strict=True):
+        delta = samples['delta'][: cycles * SAMPLES] / each.pair.half_backlash
+        force = samples['mesh_force'][: cycles * SAMPLES]
+        means = [values.mean() for values in (delta, delta**2, force, force**2)]
+        rows.append([*means, delta.min(), delta.max()])
+    return np.array(rows), run.states
+
+
+def rms_of_parts(mean: np.ndarray, square: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the RMS about the mean and its standard error, from (n, PARTS) moments of parts."""
+    centre = mean.mean(axis=1, keepdims=True)
+    variance = square - 2 * mean * centre + centre**2
+    rms = np.sqrt(variance.mean(axis=1))
+    spread = variance.std(axis=1, ddof=1) / math.sqrt(PARTS)
+    return rms, spread / (2 * rms)
 
 
 def response(
@@ -73,29 +135,27 @@ def response(
     """
     runner = runner or Runner()
     values = np.linspace(begin, end, count)
-    chain = [operation.with_value(FREQUENCY_RATIO, float(value)) for value in values]
+    chain = chain_along(operation, FREQUENCY_RATIO, values)
     chains = [chain, chain[::-1]]
-    states = follow(chains, transient, runner)
+    begun = np.concatenate([scattered_states(each[0], 1) for each in chains])
+    states = follow(chains, begun, transient, runner)
     arguments = [
         {'operations': each[part], 'states': start[part]}
         for each, start in zip(chains, states, strict=True)
         for part in chunks(count, AT_ONCE)
     ]
     results = runner.run(response_task, arguments, 'response')
-    arrays = {}
-    for name in results[0]:
-        both = np.concatenate([result[name] for result in results]).reshape(2, count)
-        arrays[name] = np.stack([both[UP], both[DOWN, ::-1]])
+    joined = {name: np.concatenate([each[name] for each in results]) for name in results[0]}
+    arrays = {name: by_value(each.reshape(2, count))[0] for name, each in joined.items()}
     arrays |= {'w': values, 'speed': np.array([each.speed for each in chain])}
-    return Outcome('response', _text(operation, arrays), _table(arrays), arrays)
+    return Outcome('response', _text(operation, arrays), _table(arrays), arrays, UNITS)
 
 
 def jumps(
-    values: np.ndarray, rms: np.ndarray, period: np.ndarray
+    values: np.ndarray, rms: np.ndarray, error: np.ndarray
 ) -> list[tuple[float, float, float]]:
     """Return where the RMS jumps along increasing values: the value and RMS before and after."""
-    regular = period > 0
-    steps = (np.abs(np.diff(rms)) > JUMP) & (regular[1:] | regular[:-1])
+    steps = np.abs(np.diff(rms)) > np.maximum(JUMP, FAR * np.hypot(error[1:], error[:-1]))
     return [
         (float((values[i] + values[i + 1]) / 2), float(rms[i]), float(rms[i + 1]))
         for i in np.flatnonzero(steps)
@@ -105,19 +165,21 @@ def jumps(
 def _text(operation: Operation, arrays: dict[str, np.ndarray]) -> str:
     mu = operation.pair.friction_coefficient
     lines = [f'mu = {mu:g}, load torque {operation.load_torque:g} N m, RMS of delta over b']
-    for direction, rms, period in zip(('up', 'down'), arrays['rms'], arrays['period'], strict=True):
+    for i, direction in enumerate(('up', 'down')):
+        rms, error, kinds = arrays['rms'][i], arrays['rms_error'][i], arrays['kind'][i]
         top = int(rms.argmax())
+        spread = f' +- {error[top]:.4f}' if arrays['period'][i, top] == 0 else ''
         lines.append(
-            f'swept {direction}: greatest RMS {rms[top]:.4f} at w = {arrays["w"][top]:.3f} '
+            f'swept {direction}: greatest RMS {rms[top]:.4f}{spread} at w = {arrays["w"][top]:.3f} '
             f'({arrays["speed"][top] * 30 / math.pi:.0f} rpm)'
         )
-        found = [f'{w:.3f} ({a:.3f} to {b:.3f})' for w, a, b in jumps(arrays['w'], rms, period)]
+        found = [f'{w:.3f} ({a:.3f} to {b:.3f})' for w, a, b in jumps(arrays['w'], rms, error)]
         lines.append(f'  jumps at w = {", ".join(found)}' if found else '  no jump')
-        irregular = arrays['w'][period == 0]
+        lines.append(f'  {kind_shares(kinds)}')
+        irregular = arrays['w'][arrays['period'][i] == 0]
         if irregular.size:
             lines.append(
-                f'  no period up to {LONGEST_PERIOD} at {irregular.size} of {period.size} values, '
-                f'first at w = {irregular[0]:.3f}'
+                f'  first without a period up to {LONGEST_PERIOD} at w = {irregular[0]:.3f}'
             )
     lost = arrays['least'] < 1
     if lost.any():
@@ -129,12 +191,17 @@ def _text(operation: Operation, arrays: dict[str, np.ndarray]) -> str:
 def _table(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     count = len(arrays['w'])
     return {
-        'swept': np.repeat(['up', 'down'], count),
+        'swept [-]': np.repeat(['up', 'down'], count),
         'w [1]': np.tile(arrays['w'], 2),
         'speed [rad/s]': np.tile(arrays['speed'], 2),
         'rms_delta [b]': arrays['rms'].ravel(),
+        'rms_delta_error [b]': arrays['rms_error'].ravel(),
         'least_delta [b]': arrays['least'].ravel(),
         'greatest_delta [b]': arrays['greatest'].ravel(),
         'rms_mesh_force [N]': arrays['force_rms'].ravel(),
+        'rms_mesh_force_error [N]': arrays['force_rms_error'].ravel(),
+        'kind [-]': arrays['kind'].ravel(),
         'period [cycles]': arrays['period'].ravel(),
+        'largest_exponent [1/tau]': arrays['exponent'].ravel(),
+        'largest_exponent_error [1/tau]': arrays['exponent_error'].ravel(),
     }

@@ -7,10 +7,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from gear_dynamics.analysis.regime import recurrence_period
 from gear_dynamics.model.cycles import run_cycles
 from gear_dynamics.study.initial import scattered_states
+from gear_dynamics.study.judgement import unzip
+from gear_dynamics.study.kind import LONGEST_PERIOD, RECURS
 from gear_dynamics.study.operation import Operation
-from gear_dynamics.study.orbit_diagram import unzip
 from gear_dynamics.study.outcome import Outcome
 from gear_dynamics.study.tasks import Arrays, Runner, chunks
 
@@ -19,13 +21,44 @@ HARMONICS = 5
 ACCELERATIONS = ('pinion_ax', 'pinion_ay', 'gear_ax', 'gear_ay')
 QUANTITIES = (*ACCELERATIONS, 'delta', 'mesh_force', 'friction_force')
 
-UNITS = {'delta': 'm', 'mesh_force': 'N', 'friction_force': 'N'}
+OTHER_UNITS = {'delta': 'm', 'mesh_force': 'N', 'friction_force': 'N'}
+
+CLAIMS = {
+    'all_directions': 'vibration rises in all directions: x and y of both wheels',
+    'y1_rises': '  y of the pinion',
+    'y2_rises': '  y of the gear',
+    'most_in_x': 'it rises most in x: by more than in y, on both wheels',
+    'most_in_x1': '  on the pinion',
+    'most_in_x2': '  on the gear',
+    'into_first': 'the energy goes into the first mesh harmonic: all of the following',
+    'first_rises': '  of the mesh force the first harmonic rises',
+    'first_rises_most': '  and rises by more than harmonics 2 to 5',
+    'first_leads_x1': '  of x of the pinion the first harmonic is the highest of 1 to 5',
+    'first_leads_x2': '  of x of the gear the first harmonic is the highest of 1 to 5',
+    'all_claims': 'all three',
+}
+"""The source's claims and their parts, each by itself."""
+
+UNITS = {
+    'friction': '1',
+    'order': '1',
+    'ax_lines': 'm/s2',
+    'ay_lines': 'm/s2',
+    'map': 'm/s2; delta m; forces N',
+    'map_phase': 'rad',
+    'map_speed': 'rad/s',
+    'map_period': 'cycles',
+    **{f'map_{name}': '1' for name in CLAIMS},
+}
 
 RECORD = 32
 """Mesh cycles in a record."""
 
 TABLE_SAMPLES, MAP_SAMPLES = 8192, 256
 """Samples in a mesh cycle; the forces jump, so that what folds back falls as one over this."""
+
+RECURS_IN = 128
+"""Mesh cycles, the last of which are the record, in which a motion of the map is seen to recur."""
 
 DRIVE_SETTLES = 5000
 """Mesh cycles before the record of the full form, in which the drive takes up the mean loss."""
@@ -80,7 +113,10 @@ def table_task(operation: Operation) -> Arrays:
 
 
 def map_task(operations: list[Operation], transient: int) -> Arrays:
-    """Return rows of QUANTITIES for each motion of the reduced form, (n, quantities, 6)."""
+    """Return rows of QUANTITIES of motions of the reduced form, (n, quantities, 6), and periods.
+
+    The period is 0 for a motion without one: what its record shows is partly chance.
+    """
     pairs, speeds, torques = unzip(operations)
     states = np.concatenate([scattered_states(each, 1) for each in operations])
     before = run_cycles(pairs, speeds, torques, transient, states=states)
@@ -91,7 +127,15 @@ def map_task(operations: list[Operation], transient: int) -> Arrays:
         quantity_rows(samples, float(period))
         for samples, period in zip(after.samples, after.period, strict=True)
     ]
-    return {'rows': np.array([[row[name] for name in QUANTITIES] for row in rows])}
+    sections = np.concatenate([before.sections, after.sections], axis=1)[:, -RECURS_IN:]
+    periods = [
+        recurrence_period(each.scaled(section), RECURS, LONGEST_PERIOD)[0]
+        for each, section in zip(operations, sections, strict=True)
+    ]
+    return {
+        'rows': np.array([[row[name] for name in QUANTITIES] for row in rows]),
+        'period': np.array(periods),
+    }
 
 
 def spectrum(
@@ -131,9 +175,13 @@ def spectrum(
     arrays = {name: np.array([result[name] for result in results]) for name in results[0]} | {
         'friction': np.array(frictions)
     }
+    further = {}
     if phases and speeds:
-        arrays |= _map(rubbing, phases, np.linspace(slowest, fastest, speeds), transient, runner)
-    return Outcome('spectrum', _text(operation, arrays), _table(arrays), arrays)
+        grid = np.linspace(slowest, fastest, speeds)
+        arrays |= _map(rubbing, phases, grid, transient, runner)
+        further = {'_map': _map_table(arrays)}
+    units = dict(_quantities()) | UNITS
+    return Outcome('spectrum', _text(operation, arrays), _table(arrays), arrays, units, further)
 
 
 def _map(
@@ -147,17 +195,23 @@ def _map(
         for speed in speeds
     ]
     arguments = [
-        {'operations': operations[part], 'transient': transient}
+        {'operations': operations[part], 'transient': max(transient, RECURS_IN - RECORD)}
         for part in chunks(len(operations), AT_ONCE)
     ]
     results = runner.run(map_task, arguments, 'map')
     rows = np.concatenate([result['rows'] for result in results])
     rows = rows.reshape(len(rubbing), phases, len(speeds), len(QUANTITIES), HARMONICS + 1)
-    return {'map': rows, 'map_phase': angles, 'map_speed': speeds}
+    period = np.concatenate([result['period'] for result in results])
+    period = period.reshape(len(rubbing), phases, len(speeds))
+    found = {'map': rows, 'map_phase': angles, 'map_speed': speeds, 'map_period': period}
+    return found | {f'map_{name}': where for name, where in holds(rows).items()}
 
 
 def holds(rows: np.ndarray) -> dict[str, np.ndarray]:
-    """Return where each part of the source's finding holds, from the rows of a map.
+    """Return where each claim of the source holds, by the names of CLAIMS, from a map's rows.
+
+    Vibration is the RMS of an acceleration. x vibrates by friction alone, so that it always rises,
+    and by all that it is.
 
     Parameters
     ----------
@@ -165,15 +219,26 @@ def holds(rows: np.ndarray) -> dict[str, np.ndarray]:
         Without and with friction.
     """
     at = {name: i for i, name in enumerate(QUANTITIES)}
-    rms, first = rows[..., 0], rows[..., 1]
-    return {
-        'y vibration of the pinion rises': rms[1, ..., at['pinion_ay']]
-        > rms[0, ..., at['pinion_ay']],
-        'y vibration of the gear rises': rms[1, ..., at['gear_ay']] > rms[0, ..., at['gear_ay']],
-        'first mesh harmonic of the mesh force rises': first[1, ..., at['mesh_force']]
-        > first[0, ..., at['mesh_force']],
-        'first harmonic leads in x': rows[1, ..., at['pinion_ax'], 1:].argmax(axis=-1) == 0,
+    rise = {name: rows[1, ..., at[name], :] - rows[0, ..., at[name], :] for name in QUANTITIES}
+    rms = {name: rise[name][..., 0] for name in ACCELERATIONS}
+    force = rise['mesh_force'][..., 1:]
+    found = {
+        'y1_rises': rms['pinion_ay'] > 0,
+        'y2_rises': rms['gear_ay'] > 0,
+        'most_in_x1': rms['pinion_ax'] > rms['pinion_ay'],
+        'most_in_x2': rms['gear_ax'] > rms['gear_ay'],
+        'first_rises': force[..., 0] > 0,
+        'first_rises_most': (force[..., 0] > 0) & (force.argmax(axis=-1) == 0),
+        'first_leads_x1': rows[1, ..., at['pinion_ax'], 1:].argmax(axis=-1) == 0,
+        'first_leads_x2': rows[1, ..., at['gear_ax'], 1:].argmax(axis=-1) == 0,
     }
+    found['all_directions'] = found['y1_rises'] & found['y2_rises']
+    found['most_in_x'] = found['most_in_x1'] & found['most_in_x2']
+    found['into_first'] = (
+        found['first_rises_most'] & found['first_leads_x1'] & found['first_leads_x2']
+    )
+    found['all_claims'] = found['all_directions'] & found['most_in_x'] & found['into_first']
+    return {name: found[name] for name in CLAIMS}
 
 
 def _text(operation: Operation, arrays: dict[str, np.ndarray]) -> str:
@@ -191,34 +256,62 @@ def _text(operation: Operation, arrays: dict[str, np.ndarray]) -> str:
     leads = arrays['order'][1, int(arrays['ax_lines'][1][1:].argmax()) + 1]
     lines.append(f"  the pinion's x acceleration is led by mesh harmonic {leads:g}")
     if 'map' in arrays:
-        phases, speeds = arrays['map_phase'].size, arrays['map_speed'].size
-        lines.append(f'over {phases} phases and {speeds} speeds')
-        for words, where in holds(arrays['map']).items():
-            lines.append(f'  {words}: at {where.mean():.0%}')
+        lines += _claims_text(arrays)
     return '\n'.join(lines)
+
+
+def _claims_text(arrays: dict[str, np.ndarray]) -> list[str]:
+    regular = (arrays['map_period'] > 0).all(axis=0)
+    return [
+        f'over {arrays["map_phase"].size} phases and {arrays["map_speed"].size} speeds; of these '
+        f'{regular.mean():.0%} where both motions have a period',
+        *(
+            f'  {words}: at {arrays[f"map_{name}"].mean():.0%}, of those with a period '
+            f'{arrays[f"map_{name}"][regular].mean():.0%}'
+            for name, words in CLAIMS.items()
+        ),
+    ]
 
 
 def _quantities() -> list[tuple[str, str]]:
     found = []
     for name in QUANTITIES:
-        found.append((name, UNITS.get(name, 'm/s2')))
+        found.append((name, OTHER_UNITS.get(name, 'm/s2')))
         if name in ACCELERATIONS:
             found.append((name.replace('_a', '_'), 'm'))
     return found
 
 
 def _table(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    columns: dict[str, list] = {'quantity': [], 'unit': [], 'friction_coefficient [1]': []}
+    """Return a row for each figure and friction: RMS and harmonics of all quantities."""
     figures = ['rms', *(f'harmonic_{i + 1}' for i in range(HARMONICS))]
-    columns |= {f'{name} [unit]': [] for name in figures}
-    columns |= {f'{name}_change [1]': [] for name in figures}
+    frictions = arrays['friction']
+    columns = {
+        'figure [-]': np.repeat(figures, len(frictions)),
+        'friction_coefficient [1]': np.tile(frictions, len(figures)),
+    }
     for name, unit in _quantities():
-        for mu, row in zip(arrays['friction'], arrays[name], strict=True):
-            columns['quantity'].append(name)
-            columns['unit'].append(unit)
-            columns['friction_coefficient [1]'].append(mu)
-            for figure, value, first in zip(figures, row, arrays[name][0], strict=True):
-                columns[f'{figure} [unit]'].append(value)
-                change = value / first - 1 if first > 0 else math.nan
-                columns[f'{figure}_change [1]'].append(change)
-    return {name: np.array(column) for name, column in columns.items()}
+        values = arrays[name]
+        with np.errstate(divide='ignore', invalid='ignore'):
+            change = np.where(values[0] > 0, values / values[0] - 1, math.nan)
+        columns[f'{name} [{unit}]'] = values.T.ravel()
+        columns[f'{name}_change [1]'] = change.T.ravel()
+    return columns
+
+
+def _map_table(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return the map: changes by friction of the RMS and the first harmonic, and the claims."""
+    phase, speed = np.meshgrid(arrays['map_phase'], arrays['map_speed'], indexing='ij')
+    rows = arrays['map']
+    columns = {
+        'transmission_error_phase [rad]': phase,
+        'speed [rad/s]': speed,
+        'period_without_friction [cycles]': arrays['map_period'][0],
+        'period_with_friction [cycles]': arrays['map_period'][1],
+    }
+    for i, name in enumerate(QUANTITIES):
+        unit = OTHER_UNITS.get(name, 'm/s2')
+        columns[f'{name}_rms_rise [{unit}]'] = rows[1, ..., i, 0] - rows[0, ..., i, 0]
+        columns[f'{name}_first_harmonic_rise [{unit}]'] = rows[1, ..., i, 1] - rows[0, ..., i, 1]
+    columns |= {f'{name} [1]': arrays[f'map_{name}'].astype(int) for name in CLAIMS}
+    return {name: column.ravel() for name, column in columns.items()}

@@ -22,6 +22,8 @@ standard errors from zero too."""
 
 AGREE = 3.0
 
+CHAOS, TORUS, UNDECIDED = 'chaotic', 'quasi-periodic', 'undecided'
+
 
 class Kind(NamedTuple):
     """The kind of a motion.
@@ -57,9 +59,16 @@ def kind_of(states: np.ndarray, exponent: float, standard_error: float) -> Kind:
         return Kind(f'period-{period}', period, math.nan)
     k = zero_one_test(states[:, 0]) if len(states) >= ENOUGH else math.nan
     if grows and not k < REGULAR:
-        return Kind('chaotic', 0, k)
+        return Kind(CHAOS, 0, k)
     if k < REGULAR and abs(exponent) <= max(GROWS, AGREE * standard_error):
-        return Kind('quasi-periodic', 0, k)
+        return Kind(TORUS, 0, k)
     if k > CHAOTIC and exponent > 0:
-        return Kind('chaotic', 0, k)
-    return Kind('undecided', 0, k)
+        return Kind(CHAOS, 0, k)
+    return Kind(UNDECIDED, 0, k)
+
+
+def kind_shares(kinds: np.ndarray) -> str:
+    """Return in a line the shares of motions of each kind, the most frequent first."""
+    words, counts = np.unique(kinds, return_counts=True)
+    order = np.argsort(-counts, kind='stable')
+    return ', '.join(f'{words[i]} {counts[i] / kinds.size:.1%}' for i in order)

@@ -10,12 +10,32 @@ import numpy as np
 
 from gear_dynamics.model.cycles import run_cycles
 from gear_dynamics.model.nearby import nearby_growth
-from gear_dynamics.study.exponents import Exponents, exponents, standard_error
+from gear_dynamics.study.exponents import (
+    Exponents,
+    exponent_columns,
+    exponents,
+    standard_error,
+    sum_error,
+)
 from gear_dynamics.study.initial import first_variations, scattered_states
 from gear_dynamics.study.kind import Kind, kind_of
 from gear_dynamics.study.operation import Operation
 from gear_dynamics.study.outcome import Outcome
 from gear_dynamics.study.tasks import Arrays, Runner
+
+UNITS = {
+    'friction': '1',
+    'kind': '-',
+    'exponents': '1/tau',
+    'standard_errors': '1/tau',
+    'settled': '1',
+    'convergence': '1/tau',
+    'convergence_cycles': 'cycles',
+    'discarded': 'cycles',
+    'nearby': '1/tau',
+    'nearby_error': '1/tau',
+    'sections': 'b, b wn',
+}
 
 SOURCE = {0.0: 0.1263, 0.03: 0.0732, 0.05: -0.0462}
 """Largest exponents that the published study gives at w = 1.222, by friction coefficient."""
@@ -45,13 +65,17 @@ class Finding(NamedTuple):
     @property
     def sum_error(self) -> float:
         """Relative difference of the sum of all exponents from the mean divergence."""
-        return abs(float(self.exponents.values.sum()) / self.divergence - 1)
+        total = self.exponents.values.sum()
+        return abs(float(sum_error(total, np.asarray(self.divergence))))
 
 
 def spectrum_task(
     operation: Operation, states: np.ndarray, transient: int, cycles: int, nearby: int
 ) -> Arrays:
-    """Return sections, growth and divergence of the motions from each row of `states`."""
+    """Return sections, growth and divergence of the motions from each row of `states`.
+
+    And the growth between two nearby motions over `nearby` cycles more, and where those begin.
+    """
     pairs = [operation.pair] * len(states)
     speed, torque = operation.speed, operation.load_torque
     vectors = first_variations(len(states))
@@ -62,6 +86,7 @@ def spectrum_task(
         'growth': after.growth,
         'divergence': after.divergence,
         'nearby': nearby_growth(pairs, speed, torque, nearby, after.states),
+        'states': after.states,
     }
 
 
@@ -102,7 +127,7 @@ def lyapunov(
             'states': scattered_states(each, initial_states),
             'transient': transient,
             'cycles': cycles,
-            'nearby': max(cycles // 5, 200),
+            'nearby': nearby_cycles(cycles),
         }
         for each in operations
     ]
@@ -112,9 +137,20 @@ def lyapunov(
         for each, result in zip(operations, results, strict=True)
         for i in range(initial_states)
     ]
+    sections = np.concatenate([each['sections'] for each in results])
     return Outcome(
-        'lyapunov', _text(operation, findings), _table(findings), _arrays(findings, results)
+        'lyapunov',
+        _text(operation, findings),
+        _table(findings),
+        finding_arrays(findings) | {'sections': sections},
+        UNITS,
+        {'_convergence': convergence_table(findings)},
     )
+
+
+def nearby_cycles(cycles: int) -> int:
+    """Return over how many cycles two nearby motions are compared, beside a record of `cycles`."""
+    return max(cycles // 5, 200)
 
 
 def finding(operation: Operation, result: Arrays, i: int) -> Finding:
@@ -190,7 +226,6 @@ def _paragraph(mu: float, group: Sequence[Finding]) -> list[str]:
     near = np.mean([each.nearby for each in group])
     near_error = math.hypot(*[each.nearby_error for each in group]) / len(group)
     spectrum = np.mean([each.exponents.values for each in group], axis=0)
-    unsettled = sum(not each.exponents.settled for each in group)
     lines = [
         f'mu = {mu:g}: {kinds}',
         f'  largest exponent {value:+.4f} +- {error:.4f}'
@@ -198,43 +233,65 @@ def _paragraph(mu: float, group: Sequence[Finding]) -> list[str]:
         f'  by two nearby motions {near:+.4f} +- {near_error:.4f}',
         '  all: ' + ' '.join(f'{each:+.4f}' for each in spectrum),
     ]
-    if unsettled:
-        lines.append(f'  {unsettled} of {len(group)} records are not settled: run more cycles')
-    return [*lines, '']
+    return [*lines, *unsettled_words(group), '']
+
+
+def unsettled_words(group: Sequence[Finding]) -> list[str]:
+    """Return a line about the records that are not settled, if there are any."""
+    which = [np.flatnonzero(~each.exponents.settled) + 1 for each in group]
+    count = sum(each.size > 0 for each in which)
+    if not count:
+        return []
+    numbers = ', '.join(str(number) for number in np.unique(np.concatenate(which)))
+    return [
+        f'  not settled: {count} of {len(group)} records, in exponents {numbers}: run more cycles'
+    ]
 
 
 def _table(findings: Sequence[Finding]) -> dict[str, np.ndarray]:
     columns: dict[str, list] = {
         'friction_coefficient [1]': [each.friction for each in findings],
-        'kind': [each.kind.words for each in findings],
-        'settled': [int(each.exponents.settled) for each in findings],
+        'kind [-]': [each.kind.words for each in findings],
+        'settled [1]': [int(each.exponents.settled.all()) for each in findings],
         'discarded [cycles]': [each.exponents.discarded for each in findings],
         'zero_one_test [1]': [each.kind.zero_one for each in findings],
         'nearby [1/tau]': [each.nearby for each in findings],
         'nearby_error [1/tau]': [each.nearby_error for each in findings],
         'mean_divergence [1/tau]': [each.divergence for each in findings],
+        'sum_error [1]': [each.sum_error for each in findings],
     }
-    for i in range(len(findings[0].exponents.values)):
-        name = f'exponent_{i + 1}'
-        columns[f'{name} [1/tau]'] = [each.exponents.values[i] for each in findings]
-        columns[f'{name}_error [1/tau]'] = [each.exponents.standard_errors[i] for each in findings]
-    return {name: np.array(column) for name, column in columns.items()}
+    values = np.array([each.exponents.values for each in findings])
+    errors = np.array([each.exponents.standard_errors for each in findings])
+    return {name: np.array(column) for name, column in columns.items()} | exponent_columns(
+        values, errors
+    )
 
 
-def _arrays(findings: Sequence[Finding], results: Sequence[Arrays]) -> dict[str, np.ndarray]:
-    longest = max(len(each.exponents.convergence) for each in findings)
-    k = findings[0].exponents.values.size
-    convergence = np.full((len(findings), longest, k), np.nan)
-    cycles = np.full((len(findings), longest), np.nan)
-    for i, each in enumerate(findings):
-        count = len(each.exponents.convergence)
-        convergence[i, :count] = each.exponents.convergence
-        cycles[i, :count] = each.exponents.convergence_cycles
+def finding_arrays(findings: Sequence[Finding]) -> dict[str, np.ndarray]:
+    """Return exponents and their convergence, by the names of UNITS, a row for each motion."""
+    all_ten = [each.exponents for each in findings]
     return {
         'friction': np.array([each.friction for each in findings]),
-        'exponents': np.array([each.exponents.values for each in findings]),
-        'standard_errors': np.array([each.exponents.standard_errors for each in findings]),
-        'convergence': convergence,
-        'convergence_cycles': cycles,
-        'sections': np.concatenate([each['sections'] for each in results]),
+        'kind': np.array([each.kind.words for each in findings]),
+        'exponents': np.array([each.values for each in all_ten]),
+        'standard_errors': np.array([each.standard_errors for each in all_ten]),
+        'settled': np.array([each.settled for each in all_ten]),
+        'convergence': np.array([each.convergence for each in all_ten]),
+        'convergence_cycles': np.array([each.convergence_cycles for each in all_ten]),
+        'discarded': np.array([each.discarded for each in all_ten]),
+        'nearby': np.array([each.nearby for each in findings]),
+        'nearby_error': np.array([each.nearby_error for each in findings]),
+    }
+
+
+def convergence_table(findings: Sequence[Finding]) -> dict[str, np.ndarray]:
+    """Return the means of all exponents over the first cycles, as a table."""
+    each = finding_arrays(findings)
+    motions, points, k = each['convergence'].shape
+    running = each['convergence'].reshape(-1, k)
+    return {
+        'friction_coefficient [1]': np.repeat(each['friction'], points),
+        'motion [1]': np.repeat(np.arange(1, motions + 1), points),
+        'cycles [cycles]': each['convergence_cycles'].ravel(),
+        **{f'exponent_{i + 1} [1/tau]': running[:, i] for i in range(k)},
     }

@@ -6,67 +6,26 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gear_dynamics.model.cycles import run_cycles
-from gear_dynamics.study.exponents import standard_error
-from gear_dynamics.study.initial import first_variations, scattered_states
-from gear_dynamics.study.kind import kind_of
+from gear_dynamics.study.chaos_onset import FINER, TRANSIENT, chaotic_ranges, onset_words, refine
+from gear_dynamics.study.exponents import exponent_columns
+from gear_dynamics.study.initial import scattered_states
+from gear_dynamics.study.kind import kind_shares
 from gear_dynamics.study.operation import FREQUENCY_RATIO, Operation
 from gear_dynamics.study.outcome import Outcome
-from gear_dynamics.study.tasks import Arrays, Runner, chunks
+from gear_dynamics.study.sweep import (
+    DOWN,
+    UNITS,
+    UP,
+    by_value,
+    chain_along,
+    follow,
+    measure,
+    unit_of,
+)
+from gear_dynamics.study.tasks import Runner
 
-ALIGN = 25
-"""Cycles in which the variations turn into their directions, before growth is counted."""
-
-FOLLOWED = 20
-"""Values that one task follows."""
-
-MEASURED = 60
-"""Motions that one task measures."""
-
-IN_A_ROW = 3
-"""Neighbouring values that must be chaotic to count as a range of chaos."""
-
-UP, DOWN = 0, 1
-
-
-def follow_task(operations: list[list[Operation]], states: np.ndarray, cycles: int) -> Arrays:
-    """Return the states after `cycles` at each value, each begun where the last one ended.
-
-    operations : one list of chains for each value; states : (chains, STATES) array.
-    """
-    ends = np.empty((len(operations), *states.shape))
-    for i, chains in enumerate(operations):
-        pairs, speeds, torques = unzip(chains)
-        states = run_cycles(pairs, speeds, torques, cycles, states=states).states
-        ends[i] = states
-    return {'states': ends}
-
-
-def measure_task(operations: list[Operation], states: np.ndarray, cycles: int) -> Arrays:
-    """Return section, largest exponent with its error, and the sum rule's error of motions."""
-    pairs, speeds, torques = unzip(operations)
-    vectors = first_variations(len(operations))
-    run = run_cycles(pairs, speeds, torques, cycles, states=states, vectors=vectors)
-    length = np.array([each.cycle for each in operations])
-    rates = run.growth[:, ALIGN:, 0] / length[:, np.newaxis]
-    sections = [
-        each.scaled(section) for each, section in zip(operations, run.sections, strict=True)
-    ]
-    return {
-        'sections': np.array(sections),
-        'exponent': rates.mean(axis=1),
-        'standard_error': np.array([standard_error(each) for each in rates]),
-        'sum_error': run.growth.sum(axis=(1, 2)) / run.divergence.sum(axis=1) - 1,
-    }
-
-
-def unzip(operations: Sequence[Operation]) -> tuple[list, np.ndarray, np.ndarray]:
-    """Return pairs, speeds and load torques as `run_cycles` takes them."""
-    return (
-        [each.pair for each in operations],
-        np.array([each.speed for each in operations]),
-        np.array([each.load_torque for each in operations]),
-    )
+SHORTEST = 80
+"""Cycles of a record from which exponents and a period up to 32 can be told."""
 
 
 def bifurcation(
@@ -81,7 +40,10 @@ def bifurcation(
     cycles: int = 150,
     runner: Runner | None = None,
 ) -> Outcome:
-    """Return the orbit diagrams and largest exponents along a parameter, up and down.
+    """Return the orbit diagrams and all exponents along a parameter, up and down.
+
+    Each motion is judged by `judgement.judge`. Where chaos first begins along the parameter, the
+    sweep is repeated on a finer grid with longer transients (`chaos_onset`).
 
     Parameters
     ----------
@@ -106,121 +68,99 @@ def bifurcation(
     ValueError
         If the record is too short.
     """
-    if cycles < ALIGN + 64:
-        raise ValueError(f'{cycles} cycles are too few: give {ALIGN + 64} or more')
+    if cycles < SHORTEST:
+        raise ValueError(f'{cycles} cycles are too few: give {SHORTEST} or more')
     runner = runner or Runner()
     if parameter == 'friction_coefficient':
         frictions = [operation.pair.friction_coefficient]
     values = np.linspace(begin, end, count)
-    chains = _chains(operation, frictions, parameter, values)
-    states = follow(chains, transient, runner)
-    arguments = [
-        {'operations': chain[part], 'states': start[part], 'cycles': cycles}
-        for chain, start in zip(chains, states, strict=True)
-        for part in chunks(count, MEASURED)
+    rubbing = [operation.with_value('friction_coefficient', mu) for mu in frictions]
+    chains = [
+        chain_along(each, parameter, way) for each in rubbing for way in (values, values[::-1])
     ]
-    results = runner.run(measure_task, arguments, 'orbits and exponents')
-    shape = (len(frictions), 2, count)
-    arrays = {
-        name: np.concatenate([result[name] for result in results]).reshape(
-            *shape, *results[0][name].shape[1:]
-        )
-        for name in results[0]
-    }
-    # Chains that were swept down are turned round: axis 2 is along `values` for all.
-    arrays = {
-        name: np.stack([array[:, UP], array[:, DOWN, ::-1]], axis=1)
-        for name, array in arrays.items()
-    }
+    begun = np.concatenate([scattered_states(chain[0], 1) for chain in chains])
+    states = follow(chains, begun, transient, runner)
+    swept = measure(chains, states, cycles, runner)
+    arrays = {name: by_value(array) for name, array in swept.items()}
+    fine = refine(
+        [each for each in rubbing for _ in (UP, DOWN)],
+        parameter,
+        values,
+        np.concatenate(arrays['kind']),
+        np.concatenate(by_value(states)),
+        runner,
+    )
+    arrays |= {f'fine_{name}': np.stack([f[::2], f[1::2]], axis=1) for name, f in fine.items()}
     arrays |= {'values': values, 'friction': np.array(frictions), 'parameter': np.array(parameter)}
-    arrays['kind'] = _kinds(arrays)
-    return Outcome('bifurcation', _text(arrays), _table(arrays), arrays)
+    return Outcome('bifurcation', _text(arrays), _table(arrays), arrays, _units(parameter))
 
 
-def _chains(
-    operation: Operation, frictions: Sequence[float], parameter: str, values: np.ndarray
-) -> list[list[Operation]]:
-    chains = []
-    for mu in frictions:
-        rubbing = operation.with_value('friction_coefficient', mu)
-        chain = [rubbing.with_value(parameter, float(value)) for value in values]
-        chains += [chain, chain[::-1]]
-    return chains
-
-
-def follow(chains: list[list[Operation]], cycles: int, runner: Runner) -> np.ndarray:
-    """Return the state after the transient for each chain and value, (chains, values, STATES)."""
-    states = np.concatenate([scattered_states(chain[0], 1) for chain in chains])
-    parts = []
-    arranged = list(map(list, zip(*chains, strict=True)))
-    for part in runner.track(chunks(len(arranged), FOLLOWED), 'following'):
-        argument = {'operations': arranged[part], 'states': states, 'cycles': cycles}
-        followed = runner.run(follow_task, [argument])[0]['states']
-        states = followed[-1]
-        parts.append(followed)
-    return np.concatenate(parts).swapaxes(0, 1)
-
-
-def _kinds(arrays: dict[str, np.ndarray]) -> np.ndarray:
-    exponent, error = arrays['exponent'], arrays['standard_error']
-    words = [
-        kind_of(arrays['sections'][at], exponent[at], error[at]).words
-        for at in np.ndindex(exponent.shape)
-    ]
-    return np.array(words).reshape(exponent.shape)
-
-
-def chaotic_ranges(values: np.ndarray, kinds: np.ndarray) -> list[tuple[float, float]]:
-    """Return the first and last of the values in each stretch of IN_A_ROW or more with chaos."""
-    chaotic = np.concatenate([[False], kinds == 'chaotic', [False]]).astype(int)
-    begins, ends = np.flatnonzero(np.diff(chaotic) == 1), np.flatnonzero(np.diff(chaotic) == -1)
-    return [
-        (float(values[begin]), float(values[end - 1]))
-        for begin, end in zip(begins, ends, strict=True)
-        if end - begin >= IN_A_ROW
-    ]
+def _units(parameter: str) -> dict[str, str]:
+    swept = dict.fromkeys(('values', 'fine_values'), unit_of(parameter))
+    fine = {'fine_exponent': '1/tau', 'fine_standard_error': '1/tau', 'fine_kind': '-'}
+    return UNITS | swept | fine | {'friction': '1', 'parameter': '-'}
 
 
 def _text(arrays: dict[str, np.ndarray]) -> str:
     values, parameter = arrays['values'], arrays['parameter']
-    lines = [f'{parameter} from {values[0]:g} to {values[-1]:g}, {len(values)} values', '']
-    for mu, kinds, sections in zip(
-        arrays['friction'], arrays['kind'], arrays['sections'], strict=True
-    ):
-        for direction, kind in zip(('up', 'down'), kinds, strict=True):
-            ranges = [f'{first:.4g} to {last:.4g}' for first, last in chaotic_ranges(values, kind)]
-            words = 'chaos at ' + ', '.join(ranges) if ranges else 'no chaos'
-            share = np.mean(kind == 'chaotic')
-            lines.append(f'mu = {mu:g}, swept {direction}: {words} ({share:.1%} of the values)')
-        apart = np.mean(_differs(sections))
-        lines.append(f'mu = {mu:g}: up and down differ at {apart:.1%} of the values')
+    unit = '' if unit_of(str(parameter)) == '1' else f' {unit_of(str(parameter))}'
+    step = values[1] - values[0]
+    lines = [
+        f'{parameter} from {values[0]:g} to {values[-1]:g}{unit}, {len(values)} values, '
+        f'{step:.2g} apart; at the onset of chaos {step / FINER:.2g} apart, after {TRANSIENT} '
+        'cycles at each'
+    ]
+    for i, mu in enumerate(arrays['friction']):
+        lines += ['', f'mu = {mu:g}: up and down differ at {np.mean(_differs(arrays, i)):.1%}']
+        for direction in (UP, DOWN):
+            lines += _paragraph(arrays, i, direction)
     worst = np.abs(arrays['sum_error']).max()
-    lines += ['', f'The sum of the exponents differs from the mean divergence by {worst:.1e} of it']
+    unsettled = np.mean(~arrays['settled'].all(axis=-1))
+    lines += [
+        '',
+        f'Exponents are not settled at {unsettled:.1%}. Their sum differs from the mean divergence '
+        f'by {worst:.1e} of it at most.',
+    ]
     return '\n'.join(lines)
 
 
-def _differs(sections: np.ndarray) -> np.ndarray:
+def _paragraph(arrays: dict[str, np.ndarray], i: int, direction: int) -> list[str]:
+    """Return what one sweep of friction i showed."""
+    kinds = arrays['kind'][i, direction]
+    ranges = [f'{a:.4g} to {b:.4g}' for a, b in chaotic_ranges(arrays['values'], kinds)]
+    does = ('begins at', 'lasts to')[direction]
+    fine, fine_kinds = arrays['fine_values'][i, direction], arrays['fine_kind'][i, direction]
+    return [
+        f'  swept {("up", "down")[direction]}: {onset_words(fine, fine_kinds, does)}',
+        f'    chaos at {", ".join(ranges)}' if ranges else '    no range of chaos',
+        f'    {kind_shares(kinds)}',
+    ]
+
+
+def _differs(arrays: dict[str, np.ndarray], i: int) -> np.ndarray:
     """Return where the two directions end on different attractors, by the mean of delta / b."""
-    mean, spread = sections[..., 0].mean(axis=-1), sections[..., 0].std(axis=-1)
-    count = sections.shape[-2]
-    return np.abs(mean[UP] - mean[DOWN]) > 0.01 + 4 * spread.max(axis=0) / np.sqrt(count)
+    delta = arrays['sections'][i, ..., 0]
+    mean, spread = delta.mean(axis=-1), delta.std(axis=-1)
+    return np.abs(mean[UP] - mean[DOWN]) > 0.01 + 4 * spread.max(axis=0) / np.sqrt(delta.shape[-1])
 
 
 def _table(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    shape = arrays['exponent'].shape
+    shape = arrays['kind'].shape
     mu, direction, value = np.meshgrid(
         arrays['friction'], ['up', 'down'], arrays['values'], indexing='ij'
     )
     delta = arrays['sections'][..., 0]
     columns = {
-        f'{arrays["parameter"]}': value,
+        f'{arrays["parameter"]} [{unit_of(str(arrays["parameter"]))}]': value,
         'friction_coefficient [1]': mu,
-        'swept': direction,
-        'kind': arrays['kind'],
-        'largest_exponent [1/tau]': arrays['exponent'],
-        'standard_error [1/tau]': arrays['standard_error'],
+        'swept [-]': direction,
+        'kind [-]': arrays['kind'],
+        'settled [1]': arrays['settled'].all(axis=-1).astype(int),
+        'discarded [cycles]': arrays['discarded'],
+        'zero_one_test [1]': arrays['zero_one'],
         'least_delta [b]': delta.min(axis=-1),
         'greatest_delta [b]': delta.max(axis=-1),
         'sum_error [1]': arrays['sum_error'],
+        **exponent_columns(arrays['exponents'], arrays['standard_errors']),
     }
     return {name: column.reshape(np.prod(shape)) for name, column in columns.items()}

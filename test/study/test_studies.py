@@ -1,17 +1,21 @@
 import csv
 import math
+import re
 
 import numpy as np
 import pytest
+from study.test_cycles import one_degree_of_freedom, speed_at
 
 from gear_dynamics import study
 from gear_dynamics.study.basin_map import attractors
 from gear_dynamics.study.command import main
-from gear_dynamics.study.frequency_response import jumps
-from gear_dynamics.study.friction_spectrum import RECORD, quantity_rows
+from gear_dynamics.study.exponents import exponents
+from gear_dynamics.study.frequency_response import jumps, rms_of_parts
+from gear_dynamics.study.friction_spectrum import QUANTITIES, RECORD, holds, quantity_rows
 from gear_dynamics.study.initial import states_at
-from gear_dynamics.study.lyapunov_table import support_exponents
-from gear_dynamics.study.orbit_diagram import chaotic_ranges
+from gear_dynamics.study.kind import Kind
+from gear_dynamics.study.lyapunov_table import Finding, support_exponents, unsettled_words
+from gear_dynamics.study.outcome import write_outcome
 
 CHAOS = study.friction_chaos()
 
@@ -37,7 +41,7 @@ def test_initial_states_have_the_delta_asked_for():
 def test_lyapunov_shows_the_sequence_and_the_exact_exponents():
     """Chaos, chaos, period-4, as the preset was searched for; four exponents in closed form."""
     outcome = study.lyapunov(CHAOS, initial_states=2, transient=1000, cycles=1500)
-    words = outcome.table['kind']
+    words = outcome.table['kind [-]']
     assert list(words) == ['chaotic'] * 4 + ['period-4'] * 2
     first, second = support_exponents(CHAOS)
     for values, errors in zip(
@@ -62,10 +66,17 @@ def test_bifurcation_goes_on_from_one_value_to_the_next():
     assert np.abs(outcome.arrays['sum_error']).max() < 1e-6
 
 
-def test_ranges_of_chaos():
-    kinds = np.array(['period-1', 'chaotic', 'period-2', 'chaotic', 'chaotic', 'chaotic'])
-    assert chaotic_ranges(np.arange(6.0), kinds) == [(3.0, 5.0)]
-    assert chaotic_ranges(np.arange(3.0), kinds[:3]) == []
+def test_every_motion_of_a_sweep_has_all_exponents_and_a_verdict():
+    arrays = study.bifurcation(CHAOS, [0.03], begin=0.5, end=0.6, count=3, cycles=150).arrays
+    assert arrays['exponents'].shape == (1, 2, 3, 10)
+    assert arrays['standard_errors'].shape == arrays['settled'].shape == (1, 2, 3, 10)
+    assert arrays['convergence'].shape == (1, 2, 3, 10, 10)
+    assert arrays['settled'].all()
+    # x1 and x2 feed nothing back.
+    for exact in support_exponents(CHAOS):
+        apart = np.abs(arrays['exponents'] - exact)
+        errors = 4 * arrays['standard_errors'].max()
+        assert np.sort(apart, axis=-1)[..., :2].max() < 5e-4 + errors
 
 
 def test_rows_of_a_known_signal():
@@ -96,9 +107,82 @@ def test_friction_moves_the_first_harmonic_as_an_independent_code_saw():
         assert arrays['order'][1, arrays['ax_lines'][1].argmax()] == 6
 
 
+def rows_with(**rises):
+    """Rows of a map of one place: zeros without friction, RMS and five harmonics with it."""
+    rows = np.zeros((2, len(QUANTITIES), 6))
+    for name, values in rises.items():
+        rows[1, QUANTITIES.index(name)] = values
+    return rows
+
+
+def test_claims_of_the_source_are_told_apart():
+    """Each of the three can hold without the others."""
+    all_three = {
+        'pinion_ax': [3, 2, 1, 0, 0, 0],
+        'gear_ax': [3, 2, 1, 0, 0, 0],
+        'pinion_ay': [2, 0, 0, 0, 0, 0],
+        'gear_ay': [2, 0, 0, 0, 0, 0],
+        'mesh_force': [5, 4, 3, 2, 1, 0],
+    }
+    names = ('all_directions', 'most_in_x', 'into_first', 'all_claims')
+
+    def verdict(**changes):
+        found = holds(rows_with(**(all_three | changes)))
+        return [bool(found[name]) for name in names]
+
+    assert verdict() == [True, True, True, True]
+    assert verdict(gear_ay=[-1, 0, 0, 0, 0, 0]) == [False, True, True, False]
+    assert verdict(pinion_ay=[4, 0, 0, 0, 0, 0]) == [True, False, True, False]
+    assert verdict(mesh_force=[5, 2, 3, 2, 1, 0]) == [True, True, False, False]
+    assert verdict(mesh_force=[5, -2, -3, -2, -3, -3]) == [True, True, False, False]
+    assert verdict(gear_ax=[3, 1, 2, 0, 0, 0]) == [True, True, False, False]
+
+
+def test_map_has_claims_and_periods():
+    outcome = study.spectrum(
+        study.default_operation(), phases=2, speeds=2, slowest=60.0, fastest=104.72, transient=100
+    )
+    # At 1000 rpm and below the motion follows the mesh without loss of contact.
+    assert np.all(outcome.arrays['map_period'] == 1)
+    assert outcome.arrays['map_most_in_x'].shape == (2, 2)
+    assert len(outcome.further['_map']['speed [rad/s]']) == 4
+    assert 'most in x' in outcome.text
+
+
 def test_response_jumps_where_attractors_end():
     values, rms = np.arange(6.0), np.array([0.1, 0.11, 0.3, 0.31, 0.6, 0.8])
-    assert jumps(values, rms, np.array([1, 1, 1, 2, 0, 0])) == [(1.5, 0.11, 0.3), (3.5, 0.31, 0.6)]
+    # The last two are chaotic; their difference is within what chance makes of it.
+    error = np.array([0, 0, 0, 0, 0.03, 0.06])
+    assert jumps(values, rms, error) == [(1.5, 0.11, 0.3), (3.5, 0.31, 0.6)]
+
+
+def test_response_of_the_linear_oscillator_has_the_closed_form_rms():
+    """Fa W^2 / sqrt((1 - W^2)^2 + (2 zeta W)^2) over the square root of 2."""
+    zeta, torque = 0.05, 500.0
+    pair = one_degree_of_freedom(mesh_damping_ratio=zeta, transmission_error_amplitude=1e-6)
+    operation = study.Operation(pair, speed_at(pair, 0.4), torque)
+    arrays = study.response(operation, begin=0.4, end=0.7, count=3, transient=200).arrays
+    w = np.array([0.4, 0.55, 0.7])
+    amplitude = 1e-6 / pair.half_backlash * w**2 / np.hypot(1 - w**2, 2 * zeta * w)
+    assert arrays['rms'] == pytest.approx(np.array([amplitude, amplitude]) / np.sqrt(2), rel=1e-4)
+    assert np.all(arrays['rms_error'] < 1e-12)
+    # The spring carries what the damping does not.
+    force = amplitude * np.hypot(1, 2 * zeta * w) * pair.half_backlash * pair.tooth_pair_stiffness
+    assert arrays['force_rms'][0] == pytest.approx(force / np.sqrt(2), rel=1e-4)
+
+
+def test_rms_of_noise_comes_with_its_error():
+    """Of n values of a normal distribution the RMS has a standard error of sigma / sqrt(2 n)."""
+    generator = np.random.default_rng(0)
+    found = []
+    for _ in range(200):
+        parts = generator.normal(3.0, 0.5, (20, 500))
+        moments = parts.mean(axis=1)[np.newaxis], (parts**2).mean(axis=1)[np.newaxis]
+        found.append([float(each[0]) for each in rms_of_parts(*moments)])
+    rms, error = np.mean(found, axis=0)
+    assert rms == pytest.approx(0.5, rel=1e-3)
+    # 200 estimates from 20 parts each: 1.2 % of scatter.
+    assert error == pytest.approx(0.5 / np.sqrt(2 * 20 * 500), rel=0.05)
 
 
 def test_response_of_the_linear_motion_is_the_same_up_and_down():
@@ -116,20 +200,77 @@ def test_basins_shares_sum_to_one():
     assert any(name.startswith('period-3 ') for name in names)
 
 
-def test_attractors_are_told_apart_by_period_and_place():
-    periods = np.array([1, 1, 0, 3, 1, 0])
-    means = np.array([[1, 0], [1.001, 0], [0, 0], [1, 0], [0.5, 0], [0.7, 0.2]])
-    labels, names = attractors(periods, means)
-    assert list(labels) == [0, 0, 1, 2, 3, 1]
-    assert names == ['period-1 about 1.000 b', 'no period', 'period-3 about 1.000 b',
-                     'period-1 about 0.500 b']  # fmt: skip
+def test_attractors_are_told_apart_by_kind_and_place():
+    kinds = np.array(
+        ['period-1', 'period-1', 'chaotic', 'period-3', 'period-1', 'chaotic', 'quasi-periodic']
+    )
+    means = np.array([[1, 0], [1.001, 0], [0, 0], [1, 0], [0.5, 0], [0.7, 0.2], [0.7, 0.2]])
+    labels, names = attractors(kinds, means)
+    assert list(labels) == [0, 0, 1, 2, 3, 1, 4]
+    assert names == ['period-1 about 1.000 b', 'chaotic', 'period-3 about 1.000 b',
+                     'period-1 about 0.500 b', 'quasi-periodic']  # fmt: skip
+
+
+def test_basins_name_chaos():
+    """At w = 1.222 without friction every state that was tried ends in chaos."""
+    outcome = study.basins(CHAOS.with_value('friction_coefficient', 0.0), size=3, transient=300)
+    assert list(outcome.arrays['names']) == ['chaotic']
 
 
 def test_attractor_has_the_sections_of_its_kind():
     outcome = study.attractor(CHAOS, [0.05], transient=1500, cycles=400)
-    assert list(outcome.arrays['kind']) == ['period-4']
-    points = np.unique(outcome.arrays['sections'][0].round(2), axis=0)
+    arrays = outcome.arrays
+    assert list(arrays['kind']) == ['period-4']
+    points = np.unique(arrays['sections'][0].round(2), axis=0)
     assert len(points) == 4
+    # By two nearby motions, which know nothing of variations.
+    assert arrays['nearby'][0] == pytest.approx(arrays['exponents'][0, 0], abs=2e-3)
+    assert arrays['nearby'][0] != arrays['exponents'][0, 0]
+    assert arrays['convergence'].shape == (1, 50, 10)
+    last = [outcome.further['_convergence'][f'exponent_{i} [1/tau]'][-1] for i in range(1, 11)]
+    assert last == pytest.approx(arrays['exponents'][0])
+
+
+def test_record_that_is_not_settled_is_named():
+    drifting = np.random.default_rng(0).normal(size=(400, 10)) - np.arange(10) * 10
+    drifting[:, 2] += np.linspace(0, 9, 400)
+    found = exponents(drifting, 1.0)
+    one = Finding(0.0, found, Kind('chaotic', 0, 1.0), 0.0, 0.0, -1.0)
+    assert unsettled_words([one]) == [
+        '  not settled: 1 of 1 records, in exponents 3: run more cycles'
+    ]
+
+
+SMALL = {
+    'spectrum': {'phases': 2, 'speeds': 2, 'transient': 100},
+    'lyapunov': {'frictions': [0.0], 'initial_states': 2, 'transient': 50, 'cycles': 100},
+    'bifurcation': {'frictions': [0.0], 'begin': 0.5, 'end': 0.6, 'count': 2, 'transient': 20},
+    'attractor': {'frictions': [0.0], 'transient': 50, 'cycles': 200},
+    'basins': {'size': 2, 'transient': 20},
+    'response': {'begin': 0.1, 'end': 0.12, 'count': 2, 'transient': 20},
+}
+
+
+@pytest.mark.parametrize('name', SMALL)
+def test_every_column_and_array_has_its_unit(tmp_path, name):
+    operation = study.default_operation() if name in ('spectrum', 'response') else CHAOS
+    paths = write_outcome(getattr(study, name)(operation, **SMALL[name]), tmp_path)
+    for path in paths:
+        if path.suffix == '.csv':
+            header = path.read_text().splitlines()[0].split(',')
+            assert [each for each in header if not re.fullmatch(r'\w+ \[.+\]', each)] == []
+    with np.load(tmp_path / f'{name}.npz') as stored:
+        units = dict(stored['units'])
+        assert set(units) == set(stored) - {'units'}
+        assert all(units.values())
+
+
+def test_swept_column_has_the_unit_of_its_parameter():
+    outcome = study.bifurcation(
+        CHAOS, [0.0], parameter='load_torque', begin=400.0, end=450.0, count=2, transient=20
+    )
+    assert 'load_torque [N m]' in outcome.table
+    assert outcome.units['values'] == 'N m'
 
 
 def test_command_writes_data_with_units_figure_and_text(tmp_path, capsys):
@@ -141,7 +282,7 @@ def test_command_writes_data_with_units_figure_and_text(tmp_path, capsys):
     assert (tmp_path / 'basins.png').read_bytes().startswith(b'\x89PNG')
     with (tmp_path / 'basins.csv').open() as file:
         rows = list(csv.DictReader(file))
-    assert list(rows[0]) == ['delta [b]', 'delta_dot [b wn]', 'attractor']
+    assert list(rows[0])[:3] == ['delta [b]', 'delta_dot [b wn]', 'attractor [-]']
     assert len(rows) == 16
     with np.load(tmp_path / 'basins.npz') as stored:
         assert stored['label'].shape == (4, 4)

@@ -31,9 +31,11 @@ def draw(arrays: Arrays) -> Figure:
         section.scatter(*arrays['sections'][i].T, s=size, color=colour, linewidths=0)
         section.set(ylabel="δ' / (b ωn)")
         values = arrays['exponents'][i]
-        exponents.bar(np.arange(1, len(values) + 1), values, color=colour)
-        exponents.set(ylabel='exponents [1/τ]')
-    names = ('τ', 'mesh orders', 'δ / b, orbit', 'δ / b, section', 'number')
+        numbers = np.arange(1, len(values) + 1)
+        exponents.bar(numbers, values, yerr=2 * arrays['standard_errors'][i], color=colour)
+        settled = '' if arrays['settled'][i].all() else 'not settled'
+        exponents.set(ylabel='exponents [1/τ]', xticks=numbers, title=settled)
+    names = ('τ', 'mesh orders', 'δ / b, orbit', 'δ / b, section', 'number of the exponent')
     for axes, name in zip(grid[-1], names, strict=True):
         axes.set_xlabel(name)
     return figure

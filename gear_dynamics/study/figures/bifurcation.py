@@ -6,15 +6,18 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from gear_dynamics.study.chaos_onset import onset
 from gear_dynamics.study.figures.style import COLOURS, Arrays, new_figure, zero_line
+from gear_dynamics.study.sweep import DOWN, UP, unit_of
 
-LABELS = {'w': 'mesh frequency / ωn', 'load_torque': 'load torque [N m]', 'speed': 'speed [rad/s]'}
+WORDS = ('swept up', 'swept down')
 
 
 def draw(arrays: Arrays) -> Figure:
     """Draw a column for each friction coefficient."""
     frictions, parameter = arrays['friction'], str(arrays['parameter'])
-    title = f'Motion on the section against {LABELS.get(parameter, parameter)}'
+    label = 'mesh frequency / ωn' if parameter == 'w' else f'{parameter} [{unit_of(parameter)}]'
+    title = f'Motion on the section against {label}'
     figure = new_figure(6.5 * max(len(frictions), 1.4), 7.5, title)
     grid = figure.subplots(
         2, len(frictions), squeeze=False, sharex=True, sharey='row', height_ratios=(3, 1.4)
@@ -22,26 +25,41 @@ def draw(arrays: Arrays) -> Figure:
     for i, mu in enumerate(frictions):
         named = '' if parameter == 'friction_coefficient' else f'μ = {mu:g}'
         _orbits(grid[0, i], arrays['values'], arrays['sections'][i, ..., 0], named)
-        _exponents(grid[1, i], arrays['values'], arrays['exponent'][i])
-        grid[1, i].set_xlabel(LABELS.get(parameter, parameter))
+        _exponents(grid[1, i], arrays, i)
+        grid[1, i].set_xlabel(label)
     grid[0, 0].set_ylabel('δ / b')
     grid[1, 0].set_ylabel('largest exponent [1/τ]')
+    lowest = float(arrays['exponents'][..., 0].min())
+    highest = float(arrays['exponents'][..., 0].max())
+    grid[1, 0].set_ylim(max(lowest * 1.05, -0.12), highest * 1.1 + 0.01)
     return figure
 
 
 def _orbits(axes: Axes, values: np.ndarray, delta: np.ndarray, title: str) -> None:
     # Down first and larger, so that both show where they agree.
-    for direction, size, label in ((1, 1.6, 'swept down'), (0, 0.5, 'swept up')):
+    for direction, size in ((DOWN, 1.6), (UP, 0.5)):
         x = np.repeat(values, delta.shape[-1])
         y = delta[direction].ravel()
         colour = COLOURS[direction]
-        axes.scatter(x, y, s=size, color=colour, linewidths=0, label=label, rasterized=True)
+        axes.scatter(x, y, s=size, color=colour, linewidths=0, rasterized=True)
+        axes.plot([], [], 'o', color=colour, markersize=4, label=WORDS[direction])
     axes.set_title(title)
-    axes.legend(markerscale=8, loc='lower left')
+    axes.legend(loc='lower left')
 
 
-def _exponents(axes: Axes, values: np.ndarray, exponent: np.ndarray) -> None:
-    for direction in (1, 0):
-        axes.plot(values, exponent[direction], color=COLOURS[direction], linewidth=0.8)
+def _exponents(axes: Axes, arrays: Arrays, i: int) -> None:
+    values = arrays['values']
+    for direction in (DOWN, UP):
+        colour = COLOURS[direction]
+        exponent = arrays['exponents'][i, direction, :, 0]
+        error = 2 * arrays['standard_errors'][i, direction, :, 0]
+        axes.fill_between(
+            values, exponent - error, exponent + error, color=colour, alpha=0.25, lw=0
+        )
+        axes.plot(values, exponent, color=colour, linewidth=0.8)
+        place = onset(arrays['fine_values'][i, direction], arrays['fine_kind'][i, direction])
+        if np.isfinite(place):
+            label = f'onset of chaos, {WORDS[direction]}: {place:.5g}'
+            axes.axvline(place, color=colour, linewidth=0.8, linestyle=':', label=label)
+            axes.legend(loc='upper left')
     zero_line(axes)
-    axes.set_ylim(max(float(exponent.min()) * 1.05, -0.12), float(exponent.max()) * 1.1 + 0.01)

@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from gear_dynamics.study.figures.style import COLOURS, Arrays, new_figure, zero_line
+
+OTHERS = '#9aa7b2'
 
 
 def draw(arrays: Arrays) -> Figure:
@@ -17,13 +20,23 @@ def draw(arrays: Arrays) -> Figure:
     for column, mu in zip(grid.T, frictions, strict=True):
         which = np.flatnonzero(arrays['friction'] == mu)
         _convergence(column[0], arrays, which, mu)
+        column[1].set_title('section, second half of the records')
         half = arrays['sections'].shape[1] // 2
-        points = arrays['sections'][which, half:].reshape(-1, 2)
-        periodic = len(np.unique(points.round(3), axis=0)) <= 64
-        column[1].plot(points[:, 0], points[:, 1], '.' if periodic else ',', color=COLOURS[0])
-        column[1].set(xlabel='δ / b', title='section, second half of the records')
+        for i in which:
+            periodic = str(arrays['kind'][i]).startswith('period-')
+            points = arrays['sections'][i, half:].T
+            column[1].plot(*points, '.' if periodic else ',', color=COLOURS[0])
+        column[1].set(xlabel='δ / b')
     grid[0, 0].set_ylabel('mean over the first cycles [1/τ]')
     grid[1, 0].set_ylabel("δ' / (b ωn)")
+    figure.legend(
+        handles=[
+            Line2D([], [], color=COLOURS[1], label='largest exponent'),
+            Line2D([], [], color=OTHERS, label='the others'),
+        ],
+        loc='outside lower center',
+        ncols=2,
+    )
     return figure
 
 
@@ -31,8 +44,9 @@ def _convergence(axes: Axes, arrays: Arrays, which: np.ndarray, mu: float) -> No
     for i in which:
         cycles = arrays['convergence_cycles'][i]
         rest = arrays['convergence'][i, :, 1:]
-        axes.plot(cycles, rest, color='#c3ccd4', linewidth=0.5)
-        axes.plot(cycles, arrays['convergence'][i, :, 0], color=COLOURS[1], linewidth=1)
+        axes.plot(cycles, rest, color=OTHERS, linewidth=0.5)
+        axes.plot(cycles, arrays['convergence'][i, :, 0], color=COLOURS[1], lw=1)
     zero_line(axes)
-    value = arrays['exponents'][which, 0].mean()
-    axes.set(xlabel='mesh cycles', title=f'μ = {mu:g}: largest {value:+.4f}')
+    words = list(arrays['kind'][which])
+    kinds = ', '.join(f'{words.count(word)} × {word}' for word in dict.fromkeys(words))
+    axes.set(xlabel='mesh cycles', title=f'μ = {mu:g}: {kinds}')

@@ -1,0 +1,105 @@
+"""Sweeps of a parameter, each value continued from the last, and the motions that they pass."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gear_dynamics.model.cycles import run_cycles
+from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.run_settings import RunSettings
+from gear_dynamics.study.judgement import judge, unzip
+from gear_dynamics.study.operation import Operation
+from gear_dynamics.study.tasks import Arrays, Runner, chunks
+
+FOLLOWED = 20
+"""Values that one task follows."""
+
+MEASURED = 60
+"""Motions that one task measures."""
+
+UP, DOWN = 0, 1
+
+UNITS = {
+    'sections': 'b, b wn',
+    'exponents': '1/tau',
+    'standard_errors': '1/tau',
+    'settled': '1',
+    'convergence': '1/tau',
+    'convergence_cycles': 'cycles',
+    'discarded': 'cycles',
+    'kind': '-',
+    'period': 'cycles',
+    'zero_one': '1',
+    'sum_error': '1',
+}
+"""What `measure` returns of each motion."""
+
+
+def unit_of(parameter: str) -> str:
+    """Return the unit of a parameter that can be swept; 1 for a pure number."""
+    known = {a.name: a.unit for a in (*RunSettings.parameters(), *GearPair.parameters())}
+    return known.get(parameter) or '1'
+
+
+def chain_along(operation: Operation, parameter: str, values: np.ndarray) -> list[Operation]:
+    """Return the operation with each value of a parameter."""
+    return [operation.with_value(parameter, float(value)) for value in values]
+
+
+def follow_task(operations: list[list[Operation]], states: np.ndarray, cycles: int) -> Arrays:
+    """Return the states after `cycles` at each value, each begun where the last one ended.
+
+    operations : one list of chains for each value; states : (chains, STATES) array.
+    """
+    ends = np.empty((len(operations), *states.shape))
+    for i, chains in enumerate(operations):
+        states = run_cycles(*unzip(chains), cycles, states=states).states
+        ends[i] = states
+    return {'states': ends}
+
+
+def follow(
+    chains: list[list[Operation]], states: np.ndarray, cycles: int, runner: Runner
+) -> np.ndarray:
+    """Return the state after the transient for each chain and value, (chains, values, STATES).
+
+    states : (chains, STATES) array
+        Where each chain begins.
+    """
+    parts = []
+    arranged = list(map(list, zip(*chains, strict=True)))
+    for part in runner.track(chunks(len(arranged), FOLLOWED), 'following'):
+        argument = {'operations': arranged[part], 'states': states, 'cycles': cycles}
+        followed = runner.run(follow_task, [argument])[0]['states']
+        states = followed[-1]
+        parts.append(followed)
+    return np.concatenate(parts).swapaxes(0, 1)
+
+
+def measure_task(operations: list[Operation], states: np.ndarray, cycles: int) -> Arrays:
+    """Return what `judge` finds of the motions, by the names of UNITS."""
+    judged = judge(operations, states, cycles)
+    return {name: judged[name] for name in UNITS}
+
+
+def measure(
+    chains: list[list[Operation]], states: np.ndarray, cycles: int, runner: Runner
+) -> Arrays:
+    """Return what the motions do from the states that `follow` found, (chains, values, ...)."""
+    count = len(chains[0])
+    arguments = [
+        {'operations': chain[part], 'states': start[part], 'cycles': cycles}
+        for chain, start in zip(chains, states, strict=True)
+        for part in chunks(count, MEASURED)
+    ]
+    results = runner.run(measure_task, arguments, 'orbits and exponents')
+    joined = {name: np.concatenate([result[name] for result in results]) for name in UNITS}
+    return {
+        name: each.reshape(len(chains), count, *each.shape[1:]) for name, each in joined.items()
+    }
+
+
+def by_value(chains: np.ndarray) -> np.ndarray:
+    """Return (n, direction, values, ...) of 2 n chains in the order of their sweeps: up, down."""
+    array = chains.reshape(-1, 2, *chains.shape[1:])
+    return np.stack([array[:, UP], array[:, DOWN, ::-1]], axis=1)
