@@ -19,7 +19,7 @@ import numpy as np
 
 from gear_dynamics.model.jumps import CURVATURE, ROWS_OF_JUMP, SLOPE, VALUE
 from gear_dynamics.model.kernel import kernel
-from gear_dynamics.model.lanes import LANES, weighted_sum
+from gear_dynamics.model.lanes import weighted_line, weighted_rows
 from gear_dynamics.model.layout import (
     ANGLE1,
     ANGLE2,
@@ -29,11 +29,13 @@ from gear_dynamics.model.layout import (
     HIGH_RATE_COLUMNS,
     LOAD,
     OVERSAMPLING,
+    PADDED_TAPS,
     REACH,
     SPEED,
     TAPS,
     T,
 )
+from gear_dynamics.model.vector import LANES
 
 _PASS = 20.0 / 51.2
 _STOP = 0.5
@@ -47,13 +49,13 @@ _SPAN = TAPS + 2 * REACH
 
 @functools.cache
 def taps() -> np.ndarray:
-    """Return the filter, (TAPS,), of unit gain at rest.
+    """Return the filter, (PADDED_TAPS,), of unit gain at rest; zero beyond TAPS.
 
     Kaiser's design formulas (Kaiser, 1974; Oppenheim and Schafer, section 7.5).
     """
     half = TAPS // 2
     response = _windowed_sinc(half, TAPS, (_PASS + _STOP) / OVERSAMPLING, _STOP_DB)
-    return response / response.sum()
+    return np.pad(response / response.sum(), (0, PADDED_TAPS - TAPS))
 
 
 def _windowed_sinc(reach: int, count: int, cutoff: float, stop_db: float) -> np.ndarray:
@@ -88,16 +90,18 @@ def _integral_to_end(values: np.ndarray, spacing: float) -> np.ndarray:
 
 
 @kernel
-def _decimate(weights, high, made, out):
-    """Fill `out` with one filtered row for every OVERSAMPLING rows of `high`."""
-    centre = TAPS // 2
-    for i in range(out.shape[0]):
+def _decimate(weights, high, speeds, samples, shafts):
+    """Fill samples and shafts with one filtered row for every OVERSAMPLING rows of `high`."""
+    for i in range(high.shape[0]):
+        speeds[i] = high[i, SPEED]
+    for i in range(samples.shape[0]):
         first = OVERSAMPLING * i
-        weighted_sum(weights, high, first, made)
-        for j in range(AX1, SPEED + 1):
-            out[i, j] = made[j - AX1]
-        for j in (T, ANGLE1, ANGLE2, LOAD, GEAR_SPEED, DRIVE_TORQUE):
-            out[i, j] = high[first + centre, j]
+        centre = first + TAPS // 2
+        weighted_rows(weights, high, first, samples, i)
+        samples[i, SPEED] = weighted_line(weights, speeds, first)
+        samples[i, T], samples[i, LOAD] = high[centre, T], high[centre, LOAD]
+        samples[i, ANGLE1], samples[i, ANGLE2] = high[centre, ANGLE1], high[centre, ANGLE2]
+        shafts[i, 0], shafts[i, 1] = high[centre, GEAR_SPEED], high[centre, DRIVE_TORQUE]
 
 
 @kernel
@@ -146,7 +150,7 @@ class BandLimiter:
         self.capacity = capacity
         self._rate = OVERSAMPLING * sample_rate
         self._rows = _rows_in_cache_lines(_SPAN + OVERSAMPLING * capacity)
-        self._made = np.zeros(2 * LANES)
+        self._speeds = np.zeros(len(self._rows) + PADDED_TAPS - TAPS)
         self._held = 0
         self._first = 0
         self._jumps = np.zeros((0, ROWS_OF_JUMP, HIGH_RATE_COLUMNS))
@@ -166,19 +170,19 @@ class BandLimiter:
         """Return the rows, at the high rate, that are to be filled for the next `count` samples."""
         return self._rows[self._held : _SPAN + OVERSAMPLING * (count - 1)]
 
-    def take(self, out: np.ndarray) -> None:
-        """Fill `out`, (count, HIGH_RATE_COLUMNS), once the rows of `room(count)` are filled.
+    def take(self, samples: np.ndarray, shafts: np.ndarray) -> None:
+        """Fill samples (count, 13) and shafts (count, 2) once `room(count)` is filled.
 
         The result does not depend on how the stream is cut into calls, to the last bit.
         """
-        count = len(out)
+        count = len(samples)
         filled = _SPAN + OVERSAMPLING * (count - 1)
         # A jump is applied once all the rows that it changes are there; the filter has used none.
         last = self._first + filled - 1
         due = int(np.searchsorted(self._jumps[:, VALUE, T], last - REACH))
         _smooth(jump_residuals(), self._jumps[:due], self._rate, self._rows, self._first)
         self._jumps = self._jumps[due:]
-        _decimate(taps(), self._rows, self._made, out)
+        _decimate(taps(), self._rows[:filled], self._speeds, samples, shafts)
         used = OVERSAMPLING * count
         self._first += used
         self._held = _SPAN - OVERSAMPLING

@@ -9,18 +9,15 @@ import numba
 import numpy as np
 
 from gear_dynamics.model import mesh, stepper
-from gear_dynamics.model.columns import EVENTS, SAMPLE_COLUMNS, SAMPLES
+from gear_dynamics.model.columns import SAMPLE_COLUMNS, SAMPLES
 from gear_dynamics.model.gear_pair import GearPair, checked_pair
 from gear_dynamics.model.jumps import ROWS_OF_JUMP
 from gear_dynamics.model.kernel import borrowed
 from gear_dynamics.model.layout import HIGH_RATE_COLUMNS
-from gear_dynamics.model.motion import Motion, at_rest
+from gear_dynamics.model.motion import Motion, at_rest, empty_records
 from gear_dynamics.model.parameter import ParameterError
 from gear_dynamics.model.run_settings import RunSettings
 from gear_dynamics.model.simulator import IntegrationError
-
-_EVENT_ROOM = 64
-"""Events that a pair can hold; those of a batch are counted, not kept."""
 
 
 class Batch(NamedTuple):
@@ -40,56 +37,28 @@ def gather(pairs: Sequence[GearPair], runs: Sequence[RunSettings], drive: bool =
     zones = np.zeros((len(parts), counts.max()), mesh.ZONES)
     for row, part in zip(zones, parts, strict=True):
         row[: part.zones.size] = part.zones
-    not_rows = ('events', 'zones', 'profiles')
-    rows = {
-        name: np.concatenate([getattr(part, name) for part in parts])
-        for name in Motion._fields
-        if name not in not_rows
-    }
-    events = np.zeros((len(parts), _EVENT_ROOM), EVENTS)
-    return Batch(Motion(**rows, events=events, zones=zones, profiles=mesh.healthy()), counts)
+    records = empty_records(len(parts))
+    for i, part in enumerate(parts):
+        records[i] = part.records[0]
+    return Batch(Motion(records, zones, mesh.healthy()), counts)
 
 
 @numba.njit(cache=True, parallel=True, error_model='numpy')
-def _fill_all(
-    constants,
-    clock,
-    state,
-    series,
-    error,
-    segment,
-    work,
-    point,
-    events,
-    zones,
-    profiles,
-    zone_counts,
-    no_jumps,
-    out,
-    status,
-):
+def _fill_all(records, zones, profiles, zone_counts, no_jumps, out, status):
     for i in numba.prange(status.size):
         filled = 0
         while filled < out.shape[1]:
             count, status[i] = stepper.fill_samples(
-                constants[i],
-                clock[i],
+                records[i],
                 borrowed(zones)[i][: zone_counts[i]],
                 borrowed(profiles),
-                borrowed(state)[i],
-                borrowed(series)[i],
-                borrowed(error)[i],
-                borrowed(segment)[i],
-                borrowed(work)[i],
-                borrowed(point)[i],
-                borrowed(events)[i],
                 borrowed(no_jumps),
                 1,
                 borrowed(out)[i, filled:],
             )
             filled += count
             if status[i] == stepper.EVENTS_FULL:
-                clock[i].events = 0
+                records[i].clock.events = 0
             elif status[i] != stepper.DONE:
                 break
 

@@ -10,6 +10,19 @@ import math
 import numpy as np
 
 from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.layout import COLUMNS, PSI, Q_SUM, X1, X2, Y1, Y2, Q
+from gear_dynamics.model.recurrence import (
+    ANSWERS,
+    DAMPING,
+    STIFFNESS,
+    TO_FORCE,
+    TO_FRICTION,
+    TO_LOAD,
+    TO_MOMENT,
+    TO_Q,
+    TO_Q_DOT,
+    TO_Q_SUM,
+)
 
 CONSTANTS = np.dtype(
     [
@@ -24,17 +37,24 @@ CONSTANTS = np.dtype(
             # ready for the equations: 1 / m, c / m, k / m and the like
             'inv_m1 inv_m2 inv_me inv_it c1_m c2_m k1_m k2_m psi_1 psi_2 th1_psi th2_psi '
             # scales and tolerances
-            'wn fastest rtol atol'
+            'wn fastest rtol atol '
+            # angle of one tooth [rad]
+            'tooth1 tooth2'
         ).split()
     ]
     + [(name, np.int64) for name in ('rectangular', 'damping_in_gap', 'drive', 'hunting')]
+    + [
+        ('answers', np.float64, (ANSWERS, COLUMNS)),
+        ('scales', np.float64, (COLUMNS,)),
+    ]
 )
 """k, c: of one tooth pair; pitch: base pitch; arm1: r1 sin a - l1; arm_sum: (rb1 + rb2) tan a;
 ratio: rb1 / rb2; inertia_t: It; psi_1, psi_2: rb / I;
 th1_psi, th2_psi: what psi adds to th1 and takes from th2;
 fastest: bound of the natural frequencies [rad/s];
 drive: 1 for the six-coordinate form, 0 for the reduced one;
-hunting: tooth pairs until the same two teeth meet again."""
+hunting: tooth pairs until the same two teeth meet again; answers: see `model.recurrence`;
+scales: of the columns of a series, to weigh them against each other."""
 
 
 def pack(pair: GearPair, rtol: float, atol: float, drive: bool = True) -> np.ndarray:
@@ -91,6 +111,8 @@ def pack(pair: GearPair, rtol: float, atol: float, drive: bool = True) -> np.nda
         'rectangular': pair.mesh_stiffness == 'rectangular',
         'damping_in_gap': pair.damping_in_gap,
         'drive': drive,
+        'tooth1': 2 * math.pi / pair.pinion_teeth,
+        'tooth2': 2 * math.pi / pair.gear_teeth,
         'hunting': math.lcm(pair.pinion_teeth, pair.gear_teeth),
     }
     values |= {
@@ -110,7 +132,28 @@ def pack(pair: GearPair, rtol: float, atol: float, drive: bool = True) -> np.nda
     packed = np.zeros(1, CONSTANTS)
     for name, value in values.items():
         packed[name] = value
+    packed['answers'] = _answers(packed[0])
+    packed['scales'][0, [X1, Y1, X2, Y2, PSI]], packed['scales'][0, Q] = 1.0, values['rb1']
     return packed
+
+
+def _answers(p: np.void) -> np.ndarray:
+    """Return what the columns of a series answer to: the equations of docs/model.md, by columns."""
+    rows = np.zeros((ANSWERS, COLUMNS))
+    rows[TO_FORCE, [Y1, Y2, PSI]] = p['inv_m1'], -p['inv_m2'], -p['inv_me']
+    rows[TO_FRICTION, [X1, X2, PSI]] = p['inv_m1'], -p['inv_m2'], p['psi_2'] * p['arm_sum']
+    rows[TO_MOMENT, PSI] = p['psi_1'] - p['psi_2']
+    rows[TO_LOAD, PSI] = p['inv_me'] / p['rb2']
+    rows[STIFFNESS, [X1, Y1, X2, Y2]] = -p['k1_m'], -p['k1_m'], -p['k2_m'], -p['k2_m']
+    rows[DAMPING, [X1, Y1, X2, Y2]] = -p['c1_m'], -p['c1_m'], -p['c2_m'], -p['c2_m']
+    if p['drive']:
+        rows[TO_FRICTION, Q] = -p['ratio'] * p['arm_sum'] * p['inv_it']
+        rows[TO_MOMENT, Q] = (1 + p['ratio']) * p['inv_it']
+        control = {TO_Q: p['kd'], TO_Q_DOT: p['cd'], TO_Q_SUM: p['ki']}
+        for to, strength in control.items():
+            rows[to, [PSI, Q]] = -strength * p['psi_1'], -strength * p['inv_it']
+        rows[TO_Q_DOT, Q_SUM] = 1.0
+    return rows
 
 
 def _fastest_mode(pair: GearPair) -> float:
@@ -126,3 +169,4 @@ def _fastest_mode(pair: GearPair) -> float:
         pair.gear_support_stiffness / derived.gear_mass,
     )
     return math.sqrt(mesh + supports)
+

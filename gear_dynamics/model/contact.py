@@ -7,8 +7,9 @@ import math
 import numpy as np
 
 from gear_dynamics.model.kernel import kernel
-from gear_dynamics.model.lanes import LANES, sixteenths
+from gear_dynamics.model.lanes import sixteenths
 from gear_dynamics.model.series import polynomial
+from gear_dynamics.model.vector import LANES
 
 DRIVE, GAP, BACK = 1, 0, -1
 """Contact states of a tooth pair: on the drive flank, in the backlash gap, on the back flank."""
@@ -107,20 +108,7 @@ def _exit(g, row, level, sign, near, ta, ga, sa, tb, gb, sb):
 
 
 @kernel
-def _stays_above(level, value, slope, h, work):
-    """Return whether, by a wide margin, g stays above level: the common case, told quickly.
-
-    Between two points g falls below the lower of them by no more than the steepest slope allows.
-    """
-    lowest, steepest = value, abs(slope)
-    for j in range(PARTS):
-        lowest = min(lowest, work[0, j])
-        steepest = max(steepest, abs(work[1, j]))
-    return lowest - level > steepest * h / PARTS
-
-
-@kernel
-def first_change(g, row, h, state, b, work):
+def first_change(g, row, h, state, b, parts):
     """Return the first instant in [0, h] at which a pair's contact changes, and its next state.
 
     Parameters
@@ -134,7 +122,7 @@ def first_change(g, row, h, state, b, work):
         DRIVE, GAP or BACK.
     b : float
         Half backlash [m].
-    work : (2, PARTS) array
+    parts : (2, PARTS) array
         Scratch.
 
     Returns
@@ -143,13 +131,11 @@ def first_change(g, row, h, state, b, work):
         t is inf if the state lasts.
     """
     near = _NEAR * b
-    sixteenths(g, row, h, work)
+    sixteenths(g, row, h, parts)
     gb, sb, tb = g[row, 0], g[row, 1], 0.0
-    if state == DRIVE and _stays_above(b, gb, sb, h, work):
-        return math.inf, state
     for j in range(PARTS):
         ga, sa, ta = gb, sb, tb
-        gb, sb, tb = work[0, j], work[1, j], h * ((j + 1) / PARTS)
+        gb, sb, tb = parts[0, j], parts[1, j], h * ((j + 1) / PARTS)
         if state == DRIVE:
             t = _exit(g, row, b, 1.0, near, ta, ga, sa, tb, gb, sb)
             if t < math.inf:

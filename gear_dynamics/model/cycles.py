@@ -24,7 +24,7 @@ from gear_dynamics.model.layout import (
     SEG_MOMENT,
     STATES,
 )
-from gear_dynamics.model.output import time_of_sample, write_samples
+from gear_dynamics.model.output import write_due_samples
 from gear_dynamics.model.run_settings import RunSettings
 from gear_dynamics.model.segment import fill_segment
 from gear_dynamics.model.variation import (
@@ -71,10 +71,11 @@ class Cycles(NamedTuple):
 
 
 @kernel
-def _write_section(p, clock, series, point, section):
+def _write_section(motion, section):
     """Write the state at the section phase, or at the end of the step if that is before it."""
+    p, clock, point = motion.constants, motion.clock, motion.point
     tau = stepper.time_of_phase(p, clock, clock.section_phase) - clock.begin
-    columns_at(series, min(max(tau, 0.0), clock.length), point)
+    columns_at(motion.series, min(max(tau, 0.0), clock.length), point)
     section[SECTION_DELTA], section[SECTION_DELTA_DOT] = point[0, DELTA], point[1, DELTA]
     for j in range(6):
         section[SECTION_STATE + j] = point[0, j]
@@ -83,36 +84,24 @@ def _write_section(p, clock, series, point, section):
 
 
 @kernel
-def _write_due_samples(p, clock, series, segment, point, out):
-    """Write the samples within the present step to their rows of `out`."""
-    end = clock.begin + clock.length
-    while clock.sample < out.shape[0]:
-        together = min(out.shape[0] - clock.sample, 4)
-        while together > 0 and time_of_sample(clock, clock.sample + together - 1) >= end:
-            together -= 1
-        if together == 0:
-            return
-        write_samples(p, clock, series, segment, point, 1, out, clock.sample, together)
-        clock.sample += together
-
-
-@kernel
-def _vary(p, clock, segment, vectors):
+def _vary(motion, vectors):
     """Advance the variations over the present step; return what diverges in it."""
+    p, clock = motion.constants, motion.clock
     if clock.length <= 0:
         return 0.0
     travel = p.pitch * p.z1 / (2 * math.pi) * clock.speed
-    advance_variations(p, segment, travel, clock.length, vectors)
-    return divergence_over_step(p, segment, travel, clock.length)
+    advance_variations(p, motion.segment, travel, clock.length, vectors)
+    return divergence_over_step(p, motion.segment, travel, clock.length)
 
 
 @kernel
-def _vary_contact(p, clock, zones, profiles, segment, length, vectors):
+def _vary_contact(motion, zones, profiles, length, vectors):
     """Let the variations jump: the step of `length` that has just ended did so at a contact."""
+    p, clock, segment = motion.constants, motion.clock, motion.segment
     travel = p.pitch * p.z1 / (2 * math.pi) * clock.speed
     force_c, rub_c = segment[SEG_FORCE + 1, 0], segment[SEG_FRICTION + 1, 0]
     turn_c = segment[SEG_MOMENT + 1, 0] + travel * length * rub_c
-    fill_segment(p, clock, zones[clock.zone], profiles, segment)
+    fill_segment(motion, zones[clock.zone], profiles)
     jump_at_contact(
         p,
         segment[SEG_FORCE + 1, 0] - force_c,
@@ -123,43 +112,29 @@ def _vary_contact(p, clock, zones, profiles, segment, length, vectors):
 
 
 @kernel
-def run_cycle(
-    p,
-    clock,
-    zones,
-    profiles,
-    y,
-    series,
-    error,
-    segment,
-    work,
-    point,
-    events,
-    section,
-    vectors,
-    growth,
-    divergence,
-    out,
-):
+def run_cycle(motion, zones, profiles, section, vectors, growth, divergence, out):
     """Advance to the beginning of the next mesh cycle."""
+    clock = motion.clock
     cycle = clock.cycle
     while clock.cycle == cycle:
-        stepper.begin_step(p, clock, zones, profiles, y, series, error, segment, work, False)
+        stepper.begin_step(motion, zones, profiles, False)
         if clock.tiny_steps >= stepper.MANY_TINY_STEPS:
             return stepper.STUCK
-        if not math.isfinite(series[1, DELTA] + clock.length):
+        if not math.isfinite(motion.series[1, DELTA] + clock.length):
             return stepper.NOT_FINITE
-        _write_due_samples(p, clock, series, segment, point, out)
+        while clock.sample < out.shape[0]:
+            if write_due_samples(motion, 1, out, clock.sample) == 0:
+                break
         if vectors.shape[0] > 0:
-            divergence[0] += _vary(p, clock, segment, vectors)
+            divergence[0] += _vary(motion, vectors)
         length = clock.length
         if clock.section_cycle <= cycle:
-            _write_section(p, clock, series, point, section)
-        stepper.end_step(p, clock, zones, profiles, y, series, segment, point, events)
+            _write_section(motion, section)
+        stepper.end_step(motion, zones, profiles)
         clock.events = 0
         clock.length = -1.0
         if clock.ending == stepper.CONTACT and vectors.shape[0] > 0:
-            _vary_contact(p, clock, zones, profiles, segment, length, vectors)
+            _vary_contact(motion, zones, profiles, length, vectors)
     if growth.size > 0:
         orthonormalise(vectors, growth)
     return stepper.DONE
@@ -167,39 +142,14 @@ def run_cycle(
 
 @numba.njit(cache=True, parallel=True, error_model='numpy')
 def _run_all(
-    constants,
-    clock,
-    state,
-    series,
-    error,
-    segment,
-    work,
-    point,
-    events,
-    zones,
-    profiles,
-    zone_counts,
-    sections,
-    vectors,
-    growth,
-    divergence,
-    out,
-    status,
+    records, zones, profiles, zone_counts, sections, vectors, growth, divergence, out, status
 ):
     for i in numba.prange(status.size):
         for cycle in range(sections.shape[1]):
             status[i] = run_cycle(
-                constants[i],
-                clock[i],
+                records[i],
                 borrowed(zones)[i][: zone_counts[i]],
                 borrowed(profiles),
-                borrowed(state)[i],
-                borrowed(series)[i],
-                borrowed(error)[i],
-                borrowed(segment)[i],
-                borrowed(work)[i],
-                borrowed(point)[i],
-                borrowed(events)[i],
                 borrowed(sections)[i, cycle],
                 borrowed(vectors)[i],
                 borrowed(growth)[i, cycle],
@@ -283,14 +233,14 @@ def run_cycles(
         for speed, torque in zip(speeds, load_torques, strict=True)
     ]
     motion, zone_counts = gather(pairs, runs, drive)
-    motion.clock['sample_rate'] = max(samples_per_cycle, 1) / period
+    motion.records['clock']['sample_rate'] = max(samples_per_cycle, 1) / period
     if states is not None:
-        motion.state[:] = states
-        _place_all(motion.constants, motion.clock, motion.state)
+        motion.records['state'] = states
+        place_all_contacts(motion.records)
     vectors = np.zeros((n, 0, VARIED)) if vectors is None else np.array(vectors, dtype=float)
     result = Cycles(
         sections=np.zeros((n, cycles, _SECTION_COLUMNS)),
-        states=motion.state,
+        states=motion.records['state'],
         samples=np.zeros((n, cycles * samples_per_cycle), SAMPLES),
         vectors=vectors,
         growth=np.zeros((n, cycles, vectors.shape[1] if orthogonal else 0)),
@@ -314,8 +264,9 @@ def run_cycles(
 
 
 @kernel
-def place_contact(p, clock, y):
-    """Set the contact states that belong to the state y at mesh phase 0."""
+def place_contact(motion):
+    """Set the contact states that belong to the present state, at mesh phase 0."""
+    p, clock, y = motion.constants, motion.clock, motion.state
     error = p.e_a * math.sin(p.phi0)
     error_dot = p.e_a * math.cos(p.phi0) * p.z1 * clock.speed
     delta, delta_dot = y[3] - y[1] + y[4] - error, y[9] - y[7] + y[10] - error_dot
@@ -323,6 +274,7 @@ def place_contact(p, clock, y):
 
 
 @kernel
-def _place_all(constants, clock, state):
-    for i in range(clock.size):
-        place_contact(constants[i], clock[i], state[i])
+def place_all_contacts(records):
+    """Set the contact states of all motions."""
+    for i in range(records.size):
+        place_contact(records[i])

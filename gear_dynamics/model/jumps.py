@@ -35,8 +35,9 @@ of the first holds its instant, in samples of the integrator since the start of 
 
 
 @kernel
-def _higher_slopes(series, column, t):
+def _higher_slopes(motion, column, t):
     """Return the second and the third derivative of a column of the series at t."""
+    series = motion.series
     value, first, second, third = series[ROWS - 1, column], 0.0, 0.0, 0.0
     for k in range(ROWS - 2, -1, -1):
         third = third * t + second
@@ -47,10 +48,11 @@ def _higher_slopes(series, column, t):
 
 
 @kernel
-def note_before(p, clock, series, segment):
+def note_before(motion):
     """Note the forces at the end of the present step, which is a mesh or contact event."""
+    clock, segment = motion.clock, motion.segment
     t, degree = clock.length, clock.degree
-    delta, slope = value_and_slope(series, DELTA, t)
+    delta, slope = value_and_slope(motion, DELTA, t)
     clock.before_force = operate(segment, SEG_FORCE, degree, t, delta, slope)
     clock.before_friction = operate(segment, SEG_FRICTION, degree, t, delta, slope)
     travelled = clock.travel * t * clock.before_friction
@@ -59,7 +61,7 @@ def note_before(p, clock, series, segment):
     clock.before_force_c = polynomial(segment, SEG_FORCE + 1, t)[0]
     clock.before_friction_k = polynomial(segment, SEG_FRICTION, t)[0]
     clock.before_friction_c = polynomial(segment, SEG_FRICTION + 1, t)[0]
-    clock.before_curvature, clock.before_third = _higher_slopes(series, DELTA, t)
+    clock.before_curvature, clock.before_third = _higher_slopes(motion, DELTA, t)
     clock.jumped = 1
 
 
@@ -74,8 +76,10 @@ def _fill_column(jump, column, value, slope, curvature, inverse_mass, damping, s
 
 
 @kernel
-def note_jump(p, clock, series, segment, jumps):
+def note_jump(motion, jumps):
     """Write the jump between `note_before` and the beginning of the present step to `jumps`."""
+    p, clock = motion.constants, motion.clock
+    series, segment = motion.series, motion.segment
     clock.jumped = 0
     delta, slope, curvature = series[0, DELTA], series[1, DELTA], 2 * series[2, DELTA]
     force = operate(segment, SEG_FORCE, clock.degree, 0.0, delta, slope) - clock.before_force

@@ -1,74 +1,95 @@
-"""Polynomials and filters over eight numbers at once, by vector instructions.
-
-Numba's own vectorizer does not see these short loops (measured: five to ten times slower), so
-that they are written out as LLVM vector code. The arithmetic is multiply-add in a fixed order: the
-same input gives the same bits wherever it stands.
-"""
+"""Polynomials and filters over eight numbers at once, by vector instructions."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from llvmlite import ir
-from numba.core import cgutils, types
+from numba.core import types
 from numba.extending import intrinsic
 
-from gear_dynamics.model.layout import AX1, HIGH_RATE_COLUMNS, ROWS, TAPS
-
-LANES = 8
-
-_DOUBLE = ir.DoubleType()
-_INT = ir.IntType(64)
-_VECTOR = ir.VectorType(_DOUBLE, LANES)
-
-
-def _data(context: Any, builder: Any, kind: Any, value: Any) -> Any:
-    return context.make_array(kind)(context, builder, value).data
-
-
-def _at(builder: Any, data: Any, index: int) -> Any:
-    return builder.gep(data, [ir.Constant(_INT, index)])
-
-
-def _load(builder: Any, data: Any, index: int) -> Any:
-    pointer = builder.bitcast(_at(builder, data, index), _VECTOR.as_pointer())
-    return builder.load(pointer, align=8)
-
-
-def _store(builder: Any, vector: Any, data: Any, index: int) -> None:
-    pointer = builder.bitcast(_at(builder, data, index), _VECTOR.as_pointer())
-    builder.store(vector, pointer, align=8)
-
-
-def _spread(builder: Any, number: Any) -> Any:
-    """Return a vector of eight times the same number."""
-    one = builder.insert_element(ir.Constant(_VECTOR, ir.Undefined), number, ir.Constant(_INT, 0))
-    first = ir.Constant(ir.VectorType(ir.IntType(32), LANES), [0] * LANES)
-    return builder.shuffle_vector(one, ir.Constant(_VECTOR, ir.Undefined), first)
-
-
-def _multiply_add(builder: Any, a: Any, b: Any, c: Any) -> Any:
-    kind = ir.FunctionType(_VECTOR, [_VECTOR] * 3)
-    function = cgutils.get_or_insert_function(builder.module, kind, 'llvm.fmuladd.v8f64')
-    return builder.call(function, [a, b, c])
+from gear_dynamics.model.columns import SAMPLE_COLUMNS
+from gear_dynamics.model.layout import (
+    AX1,
+    DELTA,
+    HIGH_RATE_COLUMNS,
+    PADDED_TAPS,
+    PSI,
+    Q_SUM,
+    ROWS,
+    TAPS,
+)
+from gear_dynamics.model.vector import (
+    DOUBLE,
+    INT,
+    LANES,
+    ahead,
+    data_of,
+    largest_lane,
+    load,
+    magnitude,
+    multiply_add,
+    number_at,
+    place,
+    shifted,
+    smaller,
+    spread,
+    store,
+    sum_of_lanes,
+    vector_of,
+)
 
 
 def _horner(builder: Any, coefficients: list[Any], times: list[Any]) -> list[tuple[Any, Any]]:
-    """Return value and slope at each time of the polynomial with the given coefficient vectors."""
-    points = [(coefficients[-1], ir.Constant(_VECTOR, [0.0] * LANES)) for _ in times]
-    for vector in reversed(coefficients[:-1]):
-        points = [
-            (
-                _multiply_add(builder, value, t, vector),
-                _multiply_add(builder, slope, t, value),
-            )
-            for (value, slope), t in zip(points, times, strict=True)
-        ]
-    return points
+    """Return value and slope at each time of the polynomial with the given coefficient vectors.
+
+    Even and odd powers apart, p(t) = E(u) + t O(u) with u = t^2, so that two chains of
+    multiplications run side by side.
+    """
+    return [_join(builder, coefficients, t) for t in times]
+
+
+def _join(builder: Any, coefficients: list[Any], t: Any) -> tuple[Any, Any]:
+    u = builder.fmul(t, t)
+    even, even_slope = _chain(builder, coefficients[::2], u)
+    odd, odd_slope = _chain(builder, coefficients[1::2], u)
+    slope = multiply_add(builder, t, odd_slope, even_slope)
+    return (
+        multiply_add(builder, t, odd, even),
+        multiply_add(builder, builder.fadd(t, t), slope, odd),
+    )
+
+
+def _evaluate(builder: Any, coefficients: list[Any], t: Any) -> Any:
+    """Return the value alone."""
+    u = builder.fmul(t, t)
+    parts = []
+    for half in (coefficients[::2], coefficients[1::2]):
+        value = half[-1]
+        for vector in reversed(half[:-1]):
+            value = multiply_add(builder, value, u, vector)
+        parts.append(value)
+    return multiply_add(builder, t, parts[1], parts[0])
+
+
+def _chain(builder: Any, coefficients: list[Any], t: Any) -> tuple[Any, Any]:
+    """Return value and slope by Horner's rule."""
+    value, slope = multiply_add(builder, coefficients[-1], t, coefficients[-2]), coefficients[-1]
+    for vector in reversed(coefficients[:-2]):
+        slope = multiply_add(builder, slope, t, value)
+        value = multiply_add(builder, value, t, vector)
+    return value, slope
+
+
+def _sixteenths_of(builder: Any, h: Any) -> list[Any]:
+    """Return h/16, 2h/16, ..., h in two vectors."""
+    parts = [(j + 1) / (2 * LANES) for j in range(2 * LANES)]
+    whole = spread(builder, h)
+    return [builder.fmul(vector_of(*parts[j : j + LANES]), whole) for j in (0, LANES)]
 
 
 def _columns(builder: Any, data: Any) -> list[Any]:
-    return [_load(builder, data, LANES * k) for k in range(ROWS)]
+    return [load(builder, data, LANES * k) for k in range(ROWS)]
 
 
 @intrinsic
@@ -80,36 +101,86 @@ def columns_at(typing_context, series, t, out):
 
     def generate(context, builder, signature, arguments):
         series_type, _, out_type = signature.args
-        data = _data(context, builder, series_type, arguments[0])
-        target = _data(context, builder, out_type, arguments[2])
-        times = [_spread(builder, arguments[1])]
+        data = data_of(context, builder, series_type, arguments[0])
+        target = data_of(context, builder, out_type, arguments[2])
+        times = [spread(builder, arguments[1])]
         ((value, slope),) = _horner(builder, _columns(builder, data), times)
-        _store(builder, value, target, 0)
-        _store(builder, slope, target, LANES)
+        store(builder, value, target, 0)
+        store(builder, slope, target, LANES)
         return context.get_dummy_value()
 
     return types.void(series, t, out), generate
 
 
 @intrinsic
-def columns_at_four(typing_context, series, t0, t1, t2, t3, out):
-    """Put eight polynomials and their slopes at four times into eight rows of `out`.
+def advance_columns(typing_context, series, t, state):
+    """Put the state at time t into a (STATES,) array with room for one number more.
 
-    Rows 2 i and 2 i + 1 are values and slopes at the i-th time. Four at once keep the arithmetic
-    units busy while each waits for its own last result.
+    series : (ROWS, 8) array.
     """
 
     def generate(context, builder, signature, arguments):
-        data = _data(context, builder, signature.args[0], arguments[0])
-        target = _data(context, builder, signature.args[5], arguments[5])
-        times = [_spread(builder, t) for t in arguments[1:5]]
-        points = _horner(builder, _columns(builder, data), times)
-        for i, (value, slope) in enumerate(points):
-            _store(builder, value, target, 2 * LANES * i)
-            _store(builder, slope, target, (2 * i + 1) * LANES)
+        data = data_of(context, builder, signature.args[0], arguments[0])
+        target = data_of(context, builder, signature.args[2], arguments[2])
+        value, slope = _join(builder, _columns(builder, data), spread(builder, arguments[1]))
+        store(builder, value, target, 0)
+        store(builder, slope, target, 6)
+        q_sum = builder.extract_element(value, ir.Constant(ir.IntType(32), Q_SUM))
+        builder.store(q_sum, place(builder, target, 12))
         return context.get_dummy_value()
 
-    return types.void(series, t0, t1, t2, t3, out), generate
+    return types.void(series, t, state), generate
+
+
+@intrinsic
+def fill_rates(typing_context, series, rates):
+    """Fill the series of the derivatives that samples are made of, in the columns of a series.
+
+    Second derivatives of X1, Y1, X2 and Y2, first ones of the others. series, rates : (ROWS, 8)
+    arrays; the last row of `rates` is left.
+    """
+
+    def generate(context, builder, signature, arguments):
+        data, target = (
+            data_of(context, builder, kind, value)
+            for kind, value in zip(signature.args, arguments, strict=True)
+        )
+        rows = _columns(builder, data)
+        for k in range(ROWS - 1):
+            first = vector_of(*[0.0] * 4, *[k + 1.0] * 4)
+            second = vector_of(*[(k + 1.0) * (k + 2.0)] * 4, *[0.0] * 4)
+            total = builder.fmul(first, rows[k + 1])
+            if k + 2 < ROWS:
+                total = multiply_add(builder, second, rows[k + 2], total)
+            store(builder, total, target, LANES * k)
+        return context.get_dummy_value()
+
+    return types.void(series, rates), generate
+
+
+@intrinsic
+def fill_values(typing_context, series, rates, times, values):
+    """Evaluate the polynomials that samples are made of at eight times.
+
+    series, rates : (ROWS, 8) arrays, as of `fill_rates`; times : (8,) array; values : (11, 8)
+    array, filled with seven columns of the rates, then psi, q, delta and the integral of q.
+    """
+
+    def generate(context, builder, signature, arguments):
+        data = [
+            data_of(context, builder, kind, value)
+            for kind, value in zip(signature.args, arguments, strict=True)
+        ]
+        t = load(builder, data[2], 0)
+        columns = [(data[1], column, ROWS - 1) for column in range(LANES - 1)]
+        columns += [(data[0], column, ROWS) for column in range(PSI, LANES)]
+        for row, (source, column, rows) in enumerate(columns):
+            numbers = [number_at(builder, source, LANES * k + column) for k in range(rows)]
+            value = _evaluate(builder, [spread(builder, number) for number in numbers], t)
+            store(builder, value, data[3], LANES * row)
+        return context.get_dummy_value()
+
+    return types.void(series, rates, times, values), generate
 
 
 @intrinsic
@@ -121,49 +192,140 @@ def sixteenths(typing_context, polynomials, row, h, out):
 
     def generate(context, builder, signature, arguments):
         polynomials_type, row_type, _, out_type = signature.args
-        data = _data(context, builder, polynomials_type, arguments[0])
-        target = _data(context, builder, out_type, arguments[3])
+        data = data_of(context, builder, polynomials_type, arguments[0])
+        target = data_of(context, builder, out_type, arguments[3])
         index = context.cast(builder, arguments[1], row_type, types.int64)
-        data = builder.gep(data, [builder.mul(index, ir.Constant(_INT, ROWS))])
-        whole = _spread(builder, arguments[2])
-        times = []
-        for half in range(2):
-            parts = [(LANES * half + i + 1) / (2 * LANES) for i in range(LANES)]
-            times.append(builder.fmul(ir.Constant(_VECTOR, parts), whole))
-        coefficients = [_spread(builder, builder.load(_at(builder, data, k))) for k in range(ROWS)]
+        data = builder.gep(data, [builder.mul(index, ir.Constant(INT, ROWS))])
+        times = _sixteenths_of(builder, arguments[2])
+        coefficients = [spread(builder, number_at(builder, data, k)) for k in range(ROWS)]
         for half, (value, slope) in enumerate(_horner(builder, coefficients, times)):
-            _store(builder, value, target, half * LANES)
-            _store(builder, slope, target, (2 + half) * LANES)
+            store(builder, value, target, half * LANES)
+            store(builder, slope, target, (2 + half) * LANES)
         return context.get_dummy_value()
 
     return types.void(polynomials, row, h, out), generate
 
 
 @intrinsic
-def weighted_sum(typing_context, weights, rows, first, out):
-    """Put the weighted sum of sixteen numbers, from AX1 on, of TAPS rows into `out`.
+def rough_log2(typing_context, number):
+    """Return the logarithm to base 2 of a positive number to 0.09, from its bits."""
 
-    weights : (TAPS,) array; rows : (n, HIGH_RATE_COLUMNS) array, with room for one number more;
-    first : the first row; out : array with room for 16 numbers.
+    def generate(context, builder, signature, arguments):
+        bits = builder.sitofp(builder.bitcast(arguments[0], INT), DOUBLE)
+        scaled = builder.fmul(bits, ir.Constant(DOUBLE, 2.0**-52))
+        return builder.fsub(scaled, ir.Constant(DOUBLE, 1023.0))
+
+    return types.float64(number), generate
+
+
+@intrinsic
+def largest(typing_context, series, row, scales):
+    """Return the largest magnitude in a row of a series, each column times its scale.
+
+    series : (ROWS, 8) array; scales : (8,) array.
     """
 
     def generate(context, builder, signature, arguments):
-        weights_type, rows_type, first_type, out_type = signature.args
-        weight = _data(context, builder, weights_type, arguments[0])
-        data = _data(context, builder, rows_type, arguments[1])
-        target = _data(context, builder, out_type, arguments[3])
-        index = context.cast(builder, arguments[2], first_type, types.int64)
-        data = builder.gep(data, [builder.mul(index, ir.Constant(_INT, HIGH_RATE_COLUMNS))])
-        # Several sums of each half, so that none waits for its own last addition.
-        halves = [[ir.Constant(_VECTOR, [0.0] * LANES)] * 4 for _ in range(2)]
+        data = data_of(context, builder, signature.args[0], arguments[0])
+        scale = data_of(context, builder, signature.args[2], arguments[2])
+        index = context.cast(builder, arguments[1], signature.args[1], types.int64)
+        vector = load(builder, data, ahead(builder, index, LANES, 0))
+        scaled = builder.fmul(vector, load(builder, scale, 0))
+        return largest_lane(builder, magnitude(builder, scaled))
+
+    return types.float64(series, row, scales), generate
+
+
+@intrinsic
+def delta_stays_above(typing_context, series, h, level):
+    """Return whether delta stays above a level from time 0 to h: the common case, told quickly.
+
+    Looked at are delta and its slope at sixteenths of h; between two of them delta is above the
+    lower one, or turns. Then its dip below that is at most a quarter of the change of slope times
+    the time between where delta is convex; twice that leaves room for an inflection.
+
+    series : (ROWS, 8) array.
+    """
+
+    def generate(context, builder, signature, arguments):
+        data = data_of(context, builder, signature.args[0], arguments[0])
+        coefficients = [
+            spread(builder, number_at(builder, data, LANES * k + DELTA)) for k in range(ROWS)
+        ]
+        half_part = spread(builder, builder.fmul(arguments[1], ir.Constant(DOUBLE, 0.25 / LANES)))
+        level, zero = spread(builder, arguments[2]), vector_of(0.0)
+        before = coefficients[0], coefficients[1]
+        below = None
+        for now in _horner(builder, coefficients, _sixteenths_of(builder, arguments[1])):
+            value, slope = (
+                shifted(builder, *pair) for pair in zip(before, now, strict=True)
+            )
+            dip = builder.fmul(half_part, builder.fsub(now[1], slope))
+            turns = builder.and_(
+                builder.fcmp_unordered('<', slope, zero), builder.fcmp_unordered('>', now[1], zero)
+            )
+            dip = builder.select(turns, dip, zero)
+            lowest = builder.fsub(smaller(builder, value, now[0]), dip)
+            low = builder.fcmp_unordered('<=', lowest, level)
+            below = low if below is None else builder.or_(below, low)
+            before = now
+        bits = builder.bitcast(below, ir.IntType(LANES))
+        return builder.icmp_unsigned('==', bits, ir.Constant(ir.IntType(LANES), 0))
+
+    return types.boolean(series, h, level), generate
+
+
+@intrinsic
+def weighted_rows(typing_context, weights, rows, first, out, row):
+    """Put the weighted sum of the columns AX1 to SAMPLE_DELTA_DOT of TAPS rows into those of `out`.
+
+    weights : (TAPS or more,) array; rows : (n, HIGH_RATE_COLUMNS) array; first : the first row of
+    these; out : array of samples, and the row of it.
+    """
+
+    def generate(context, builder, signature, arguments):
+        weight, data, target = (
+            data_of(context, builder, signature.args[j], arguments[j]) for j in (0, 1, 3)
+        )
+        begin, end = (
+            context.cast(builder, arguments[j], signature.args[j], types.int64) for j in (2, 4)
+        )
+        data = builder.gep(data, [ahead(builder, begin, HIGH_RATE_COLUMNS, AX1)])
+        # Several sums, so that none waits for its own last addition.
+        sums = [vector_of(0.0)] * 8
         for k in range(TAPS):
-            factor = _spread(builder, builder.load(_at(builder, weight, k)))
-            for half, sums in enumerate(halves):
-                vector = _load(builder, data, k * HIGH_RATE_COLUMNS + AX1 + half * LANES)
-                sums[k % 4] = _multiply_add(builder, factor, vector, sums[k % 4])
-        for half, (a, b, c, d) in enumerate(halves):
-            total = builder.fadd(builder.fadd(a, b), builder.fadd(c, d))
-            _store(builder, total, target, half * LANES)
+            factor = spread(builder, number_at(builder, weight, k))
+            vector = load(builder, data, k * HIGH_RATE_COLUMNS)
+            sums[k % 8] = multiply_add(builder, factor, vector, sums[k % 8])
+        store(builder, _total(builder, sums), target, ahead(builder, end, len(SAMPLE_COLUMNS), AX1))
         return context.get_dummy_value()
 
-    return types.void(weights, rows, first, out), generate
+    return types.void(weights, rows, first, out, row), generate
+
+
+@intrinsic
+def weighted_line(typing_context, weights, numbers, first):
+    """Return the weighted sum of as many numbers as there are weights, from an index on.
+
+    weights : (PADDED_TAPS,) array; numbers : array.
+    """
+
+    def generate(context, builder, signature, arguments):
+        weight = data_of(context, builder, signature.args[0], arguments[0])
+        data = data_of(context, builder, signature.args[1], arguments[1])
+        begin = context.cast(builder, arguments[2], signature.args[2], types.int64)
+        data = builder.gep(data, [begin])
+        sums = [vector_of(0.0)] * 4
+        for k in range(0, PADDED_TAPS, LANES):
+            j = k // LANES % 4
+            pair = load(builder, weight, k), load(builder, data, k)
+            sums[j] = multiply_add(builder, *pair, sums[j])
+        return sum_of_lanes(builder, _total(builder, sums))
+
+    return types.float64(weights, numbers, first), generate
+
+
+def _total(builder: Any, sums: list[Any]) -> Any:
+    while len(sums) > 1:
+        sums = [builder.fadd(a, b) for a, b in zip(sums[::2], sums[1::2], strict=True)]
+    return sums[0]

@@ -11,6 +11,11 @@ X1, Y1, X2, Y2, PSI, Q, DELTA, Q_SUM = range(8)
 COLUMNS = 8
 """Positions, delta, and the integral of q."""
 
+# Rows of the values that samples are made of: those named by the columns X1 to DELTA are of the
+# rates, second derivatives for X1 to Y2 and first ones for PSI, Q and DELTA, and these:
+PSI_VALUE, Q_VALUE, DELTA_VALUE, Q_SUM_VALUE = range(7, 11)
+VALUES = 11
+
 STATES = 13
 """States: six positions (x1, y1, x2, y2, psi, q), their velocities, and the integral of q.
 
@@ -47,6 +52,9 @@ OVERSAMPLING = 4
 
 TAPS = 2 * DELAY * OVERSAMPLING + 1
 """Length of the band-limiting filter."""
+
+PADDED_TAPS = -(-TAPS // 8) * 8
+"""That, with zeros at its end to whole vectors."""
 
 REACH = 4
 """Samples at the high rate, to each side, that a band-limited jump changes."""

@@ -10,11 +10,12 @@ import numpy as np
 
 from gear_dynamics.model import mesh
 from gear_dynamics.model.columns import EVENTS
-from gear_dynamics.model.constants import pack
+from gear_dynamics.model.constants import CONSTANTS, pack
 from gear_dynamics.model.contact import BACK, DRIVE, PARTS
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.layout import COLUMNS, ROWS, SEGMENT, STATES, WIDTH
+from gear_dynamics.model.layout import COLUMNS, ROWS, SEGMENT, STATES, VALUES, WIDTH
 from gear_dynamics.model.run_settings import RunSettings
+from gear_dynamics.model.vector import LANES
 
 CLOCK = np.dtype(
     [
@@ -43,8 +44,10 @@ CLOCK = np.dtype(
             # 1: contact states may have jumped, and are looked at where the next step begins
             'unsettled '
             'anchor_cycle section_cycle '
+            # the pinion and the gear tooth of pair A
+            'tooth1 tooth2 '
             # why the present step ends, and the contact states after it
-            'ending next_a next_b degree jumps jumped '
+            'ending next_a next_b degree jumps jumped rated '
             'events steps rejected_steps contact_losses back_flank_impacts tiny_steps'
         ).split()
     ]
@@ -53,29 +56,58 @@ CLOCK = np.dtype(
 they keep their precision however long the run."""
 
 
-class Motion(NamedTuple):
-    """Everything the stepper works on, for n independent gear pairs: leading axis n.
+EVENT_ROOM = 128
+"""Events that a motion can hold until they are taken out."""
 
-    `constants` (n,) CONSTANTS, `clock` (n,) CLOCK, `state` (n, STATES), `series`
-    (n, ROWS, COLUMNS), `error` (n, 3, ROWS), `segment` (n, SEGMENT, WIDTH), `work`
-    (n, 2, PARTS), `point` (n, 8, COLUMNS), `events` (n, capacity) EVENTS; and shared by all:
-    `zones`, `profiles`.
+_CACHE_LINE = 64
+
+
+def _in_cache_lines(fields: dict[str, tuple]) -> np.dtype:
+    """Return a record of fields (dtype, shape), each of which begins a cache line.
+
+    A vector that lies in two of them takes twice as long to load and to store.
+    """
+    offsets, end = [], 0
+    for kind in fields.values():
+        offsets.append(end)
+        end += -(-np.dtype(kind).itemsize // _CACHE_LINE) * _CACHE_LINE
+    formats = [np.dtype(kind) for kind in fields.values()]
+    return np.dtype(
+        {'names': list(fields), 'formats': formats, 'offsets': offsets, 'itemsize': end}
+    )
+
+
+MOTION = _in_cache_lines(
+    {
+        'constants': (CONSTANTS, ()),
+        'clock': (CLOCK, ()),
+        'state': (np.float64, (STATES,)),
+        'series': (np.float64, (ROWS, COLUMNS)),
+        # the transmission error; and delta_i of pairs A and B while their contact is looked at
+        'error': (np.float64, (3, ROWS)),
+        'segment': (np.float64, (SEGMENT, WIDTH)),
+        'parts': (np.float64, (2, PARTS)),
+        'point': (np.float64, (2, COLUMNS)),
+        # of samples: series of derivatives, times in the step, values at them
+        'rates': (np.float64, (ROWS, COLUMNS)),
+        'times': (np.float64, (LANES,)),
+        'values': (np.float64, (VALUES, LANES)),
+        'forced': (np.float64, (4,)),
+        'events': (EVENTS, (EVENT_ROOM,)),
+    }
+)
+"""Everything that the stepper keeps of one gear pair."""
+
+
+class Motion(NamedTuple):
+    """The motion of n independent gear pairs.
+
+    `records` is (n,) MOTION; `zones` and `profiles` of the mesh are shared by all.
     """
 
-    constants: np.ndarray
-    clock: np.ndarray
-    state: np.ndarray
-    series: np.ndarray
-    error: np.ndarray
-    segment: np.ndarray
-    work: np.ndarray
-    point: np.ndarray
-    events: np.ndarray
+    records: np.ndarray
     zones: np.ndarray
     profiles: np.ndarray
-
-
-EVENT_CAPACITY = 4096
 
 
 def at_rest(
@@ -93,7 +125,8 @@ def at_rest(
     """
     n = len(pairs)
     table = mesh.zones(pairs[0], profiles)
-    clock = np.zeros(n, CLOCK)
+    records = empty_records(n)
+    clock = records['clock']
     for i, run in enumerate(runs):
         clock[i]['speed'] = clock[i]['speed_target'] = clock[i]['anchor_speed'] = run.speed
         clock[i]['torque'] = clock[i]['torque_target'] = run.load_torque
@@ -106,28 +139,19 @@ def at_rest(
     clock['contact_a'] = clock['contact_b'] = np.where(clock['torque'] >= 0, DRIVE, BACK)
     clock['length'] = -1.0
     clock['unsettled'] = profiles is not None and len(profiles) > 0
-    constants = np.concatenate(
-        [pack(pair, run.rtol, run.atol, drive) for pair, run in zip(pairs, runs, strict=True)]
-    )
-    state = np.array(
-        [
-            static_state(constants[i], table[0], clock['speed'][i], clock['torque'][i])
-            for i in range(n)
-        ]
-    )
-    return Motion(
-        constants=constants,
-        clock=clock,
-        state=state,
-        series=np.zeros((n, ROWS, COLUMNS)),
-        error=np.zeros((n, 3, ROWS)),
-        segment=np.zeros((n, SEGMENT, WIDTH)),
-        work=np.zeros((n, 2, PARTS)),
-        point=np.zeros((n, 8, COLUMNS)),
-        events=np.zeros((n, EVENT_CAPACITY), EVENTS),
-        zones=table,
-        profiles=mesh.healthy() if profiles is None else profiles,
-    )
+    for i, (pair, run) in enumerate(zip(pairs, runs, strict=True)):
+        records['constants'][i] = pack(pair, run.rtol, run.atol, drive)[0]
+        records['state'][i] = static_state(
+            records['constants'][i], table[0], clock['speed'][i], clock['torque'][i]
+        )
+    return Motion(records, table, mesh.healthy() if profiles is None else profiles)
+
+
+def empty_records(n: int) -> np.ndarray:
+    """Return n records of MOTION that begin at a cache line."""
+    memory = np.zeros(n * MOTION.itemsize + _CACHE_LINE, np.uint8)
+    skip = -memory.ctypes.data % _CACHE_LINE
+    return memory[skip : skip + n * MOTION.itemsize].view(MOTION)
 
 
 def static_state(p: np.void, zone: np.void, speed: float, load_torque: float) -> np.ndarray:

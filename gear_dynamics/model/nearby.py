@@ -10,7 +10,7 @@ import numpy as np
 
 from gear_dynamics.model import stepper
 from gear_dynamics.model.batch import gather, refuse_failure
-from gear_dynamics.model.cycles import place_contact, run_cycle, settings
+from gear_dynamics.model.cycles import place_all_contacts, place_contact, run_cycle, settings
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.kernel import borrowed, kernel
 from gear_dynamics.model.variation import VARIED
@@ -20,8 +20,9 @@ DISTANCE = 1e-6
 
 
 @kernel
-def _bring_back(p, clock, near, y):
-    """Put state `near` at DISTANCE from state y, on the line between; return their distance."""
+def _bring_back(motion, base):
+    """Put the motion at DISTANCE from the base, on the line between; return their distance."""
+    p, near, y = motion.constants, motion.state, base.state
     total = 0.0
     for j in range(12):
         scale = 1.0 if j < 6 else p.wn
@@ -29,27 +30,12 @@ def _bring_back(p, clock, near, y):
     distance = math.sqrt(total) / p.b
     for j in range(12):
         near[j] = y[j] + (near[j] - y[j]) * (DISTANCE / distance)
-    place_contact(p, clock, near)
+    place_contact(motion)
     return distance
 
 
 @numba.njit(cache=True, parallel=True, error_model='numpy')
-def _run_pairs(
-    constants,
-    clock,
-    state,
-    series,
-    error,
-    segment,
-    work,
-    point,
-    events,
-    zones,
-    profiles,
-    zone_counts,
-    growth,
-    status,
-):
+def _run_pairs(records, zones, profiles, zone_counts, growth, status):
     for i in numba.prange(growth.shape[0]):
         base, near = 2 * i, 2 * i + 1
         section, out = np.empty(32), np.empty((0, 16))
@@ -57,17 +43,9 @@ def _run_pairs(
         for cycle in range(growth.shape[1]):
             for j in range(base, near + 1):
                 status[j] = run_cycle(
-                    constants[j],
-                    clock[j],
+                    records[j],
                     borrowed(zones)[j][: zone_counts[j]],
                     borrowed(profiles),
-                    borrowed(state)[j],
-                    borrowed(series)[j],
-                    borrowed(error)[j],
-                    borrowed(segment)[j],
-                    borrowed(work)[j],
-                    borrowed(point)[j],
-                    borrowed(events)[j],
                     section,
                     vectors,
                     none,
@@ -76,8 +54,7 @@ def _run_pairs(
                 )
             if status[base] != stepper.DONE or status[near] != stepper.DONE:
                 break
-            distance = _bring_back(constants[base], clock[near], state[near], state[base])
-            growth[i, cycle] = math.log(distance / DISTANCE)
+            growth[i, cycle] = math.log(_bring_back(records[near], records[base]) / DISTANCE)
 
 
 def nearby_growth(
@@ -114,10 +91,11 @@ def nearby_growth(
     n = len(pairs)
     run = settings(speed, load_torque, 0.5, rtol, atol)
     motion, zone_counts = gather([pair for pair in pairs for _ in range(2)], [run] * 2 * n, False)
-    motion.state[:] = np.repeat(states, 2, axis=0)
-    motion.state[1::2, :5] += DISTANCE / math.sqrt(5) * motion.constants['b'][1::2, np.newaxis]
-    for p, clock, y in zip(motion.constants, motion.clock, motion.state, strict=True):
-        place_contact(p, clock, y)
+    records = motion.records
+    records['state'] = np.repeat(states, 2, axis=0)
+    apart = DISTANCE / math.sqrt(5) * records['constants']['b'][1::2]
+    records['state'][1::2, :5] += apart[:, np.newaxis]
+    place_all_contacts(records)
     growth, status = np.zeros((n, cycles)), np.zeros(2 * n, np.int64)
     _run_pairs(*motion, zone_counts, growth, status)
     refuse_failure(status, np.full(2 * n, speed))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from gear_dynamics.model.kernel import kernel
-from gear_dynamics.model.lanes import columns_at_four
+from gear_dynamics.model.lanes import fill_rates, fill_values
 from gear_dynamics.model.layout import (
     ANGLE1,
     ANGLE2,
@@ -14,13 +14,16 @@ from gear_dynamics.model.layout import (
     AY1,
     AY2,
     DELTA,
+    DELTA_VALUE,
     DRIVE_TORQUE,
     FORCE,
     FRICTION,
     GEAR_SPEED,
     LOAD,
     PSI,
-    Q_SUM,
+    PSI_VALUE,
+    Q_SUM_VALUE,
+    Q_VALUE,
     SAMPLE_DELTA,
     SAMPLE_DELTA_DOT,
     SEG_FORCE,
@@ -34,6 +37,7 @@ from gear_dynamics.model.layout import (
     Q,
     T,
 )
+from gear_dynamics.model.vector import LANES
 
 TURN = 2 * math.pi
 
@@ -66,61 +70,70 @@ def _within_turn(angle):
 
 
 @kernel
-def write_samples(p, clock, series, segment, point, whole_every, out, first, count):
-    """Write the next one to four samples, all within the present step, to rows of `out`.
+def write_due_samples(motion, whole_every, out, first):
+    """Write the next samples, eight at most, that the present step spans, to rows of `out`.
 
     Time, angles, load torque and, where `out` has room for it, what the shafts do besides are
-    written of every `whole_every`-th sample, a power of two.
+    written of every `whole_every`-th sample, a power of two. Return how many were written.
     """
-    # A sample's time must not depend on which samples are written together with it.
-    begin, sample = clock.begin, clock.sample
-    t0 = time_of_sample(clock, sample) - begin
-    t1 = time_of_sample(clock, sample + 1) - begin
-    t2 = time_of_sample(clock, sample + 2) - begin
-    t3 = time_of_sample(clock, sample + 3) - begin
-    columns_at_four(series, t0, t1, t2, t3, point)
+    p, clock, values = motion.constants, motion.clock, motion.values
+    count = _place_times(motion, out.shape[0] - first)
+    if not clock.rated:
+        fill_rates(motion.series, motion.rates)
+        clock.rated = 1
+    fill_values(motion.series, motion.rates, motion.times, values)
     # Into locals, since a store into `out` might otherwise be taken to change them.
-    inv_m1, inv_m2, ratio = p.inv_m1, p.inv_m2, p.ratio
-    c1, k1, c2, k2 = p.c1_m, p.k1_m, p.c2_m, p.k2_m
-    th1_psi, th2_psi = p.th1_psi, p.th2_psi
-    speed, accel, torque, torque_rate = clock.speed, clock.accel, clock.torque, clock.torque_rate
-    wide, inertia_t = out.shape[1] > DRIVE_TORQUE, p.inertia_t
-    kd, cd, ki = (p.kd, p.cd, p.ki) if p.drive else (0.0, 0.0, 0.0)
-    degree, rubs, rate = clock.degree, p.mu > 0, clock.sample_rate
-    tooth1, tooth2 = clock.cycle % int(p.z1), clock.cycle % int(p.z2)
-    phase, per_turn = clock.phase, p.z1 / TURN
-    angle1, angle2 = TURN / p.z1, TURN / p.z2
+    degree, segment, th1_psi = clock.degree, motion.segment, p.th1_psi
+    sample, speed, accel = clock.sample, clock.speed, clock.accel
     force_k, force_c, force_o = segment[0, 0], segment[1, 0], segment[2, 0]
     rub_k, rub_c, rub_o = segment[3, 0], segment[4, 0], segment[5, 0]
     for i in range(count):
-        tau = t0 if i == 0 else t1 if i == 1 else t2 if i == 2 else t3
-        value, slope, row = 2 * i, 2 * i + 1, first + i
-        delta, delta_dot = point[value, DELTA], point[slope, DELTA]
-        psi, q = point[value, PSI], point[value, Q]
+        row, tau = first + i, motion.times[i]
+        delta, delta_dot = values[DELTA_VALUE, i], values[DELTA, i]
         if degree == 0:
             force = force_k * delta + force_c * delta_dot + force_o
-            friction = rub_k * delta + rub_c * delta_dot + rub_o if rubs else 0.0
+            friction = rub_k * delta + rub_c * delta_dot + rub_o
         else:
             force = operate(segment, SEG_FORCE, degree, tau, delta, delta_dot)
             friction = operate(segment, SEG_FRICTION, degree, tau, delta, delta_dot)
-        a_x1 = friction * inv_m1 - c1 * point[slope, X1] - k1 * point[value, X1]
-        a_y1 = force * inv_m1 - c1 * point[slope, Y1] - k1 * point[value, Y1]
-        a_x2 = -friction * inv_m2 - c2 * point[slope, X2] - k2 * point[value, X2]
-        a_y2 = -force * inv_m2 - c2 * point[slope, Y2] - k2 * point[value, Y2]
-        spin = point[slope, Q] + th1_psi * point[slope, PSI]
-        out[row, AX1], out[row, AY1], out[row, AX2], out[row, AY2] = a_x1, a_y1, a_x2, a_y2
-        out[row, FORCE], out[row, FRICTION], out[row, SAMPLE_DELTA_DOT] = force, friction, delta_dot
-        out[row, SAMPLE_DELTA] = delta
-        out[row, SPEED] = speed + accel * tau + spin
+        out[row, AX1], out[row, AY1] = values[X1, i], values[Y1, i]
+        out[row, AX2], out[row, AY2] = values[X2, i], values[Y2, i]
+        out[row, FORCE], out[row, FRICTION] = force, friction
+        out[row, SAMPLE_DELTA], out[row, SAMPLE_DELTA_DOT] = delta, delta_dot
+        out[row, SPEED] = speed + accel * tau + values[Q, i] + th1_psi * values[PSI, i]
         if (sample + i) & (whole_every - 1) == 0:
-            now = phase + per_turn * tau * (speed + 0.5 * accel * tau)
-            out[row, T] = (sample + i) / rate
-            out[row, ANGLE1] = _within_turn(angle1 * (tooth1 + now) + q + th1_psi * psi)
-            out[row, ANGLE2] = _within_turn(angle2 * (tooth2 + now) + ratio * q - th2_psi * psi)
-            load = torque + torque_rate * tau
-            out[row, LOAD] = load
-            if wide:
-                turning = speed + accel * tau + point[slope, Q]
-                control = kd * q + cd * point[slope, Q] + ki * point[value, Q_SUM]
-                out[row, GEAR_SPEED] = ratio * turning - th2_psi * point[slope, PSI]
-                out[row, DRIVE_TORQUE] = ratio * load + inertia_t * accel - control
+            _write_shafts(motion, i, out, row)
+    clock.sample += count
+    return count
+
+
+@kernel
+def _place_times(motion, room):
+    """Put the times [s] of the next eight samples into the step; return how many are in it."""
+    clock, times = motion.clock, motion.times
+    begin, end, sample = clock.begin, clock.begin + clock.length, clock.sample
+    count = 0
+    for i in range(LANES):
+        instant = time_of_sample(clock, sample + i)
+        count += instant < end
+        times[i] = instant - begin
+    return min(count, room)
+
+
+@kernel
+def _write_shafts(motion, i, out, row):
+    """Write time, angles, load torque and, where there is room, what the shafts do besides."""
+    p, clock, values, tau = motion.constants, motion.clock, motion.values, motion.times[i]
+    speed, accel = clock.speed, clock.accel
+    psi, q, psi_dot, q_dot = values[PSI_VALUE, i], values[Q_VALUE, i], values[PSI, i], values[Q, i]
+    now = clock.phase + tau / p.tooth1 * (speed + 0.5 * accel * tau)
+    load = clock.torque + clock.torque_rate * tau
+    out[row, T] = (clock.sample + i) / clock.sample_rate
+    out[row, ANGLE1] = _within_turn(p.tooth1 * (clock.tooth1 + now) + q + p.th1_psi * psi)
+    out[row, ANGLE2] = _within_turn(p.tooth2 * (clock.tooth2 + now) + p.ratio * q - p.th2_psi * psi)
+    out[row, LOAD] = load
+    if out.shape[1] > DRIVE_TORQUE:
+        turning = speed + accel * tau + q_dot
+        control = p.kd * q + p.cd * q_dot + p.ki * values[Q_SUM_VALUE, i] if p.drive else 0.0
+        out[row, GEAR_SPEED] = p.ratio * turning - p.th2_psi * psi_dot
+        out[row, DRIVE_TORQUE] = p.ratio * load + p.inertia_t * accel - control

@@ -52,8 +52,9 @@ def _compose(coefficients, position, rate, ramp, factor, out):
 
 
 @kernel
-def fill_profiled_pair(p, clock, zone, profiles, ahead, stiffness, damping, contact, segment):
+def fill_profiled_pair(motion, zone, profiles, ahead, stiffness, damping, contact):
     """Fill the rows of the pair's own stiffness, damping, offset and flank error."""
+    p, clock, segment = motion.constants, motion.clock, motion.segment
     position = (clock.phase + ahead) * p.pitch
     turn = p.pitch * p.z1 / (2 * math.pi)
     rate, ramp = turn * clock.speed, 0.5 * turn * clock.accel

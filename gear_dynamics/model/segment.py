@@ -10,7 +10,6 @@ from __future__ import annotations
 from gear_dynamics.model.contact import GAP
 from gear_dynamics.model.kernel import kernel
 from gear_dynamics.model.layout import (
-    SEG_ERROR,
     SEG_FORCE,
     SEG_FRICTION,
     SEG_MOMENT,
@@ -32,37 +31,55 @@ def _add_pair(segment, friction, moment):
 
 
 @kernel
-def fill_segment(p, clock, zone, profiles, segment):
-    """Fill `segment` for the step that begins now; return the degree of its polynomials."""
+def _pair_forces(p, zone, contact):
+    """Return stiffness and damping of each tooth pair in the zone."""
+    share = 1.0 if p.rectangular else 1.0 / zone.pairs
+    stiffness = p.k * share if contact != GAP else 0.0
+    damping = p.c * share if contact != GAP or p.damping_in_gap else 0.0
+    return stiffness, damping
+
+
+@kernel
+def _fill_rows(segment, row, factor, stiffness, damping, offset):
+    segment[row, 0] = factor * stiffness
+    segment[row + 1, 0] = factor * damping
+    segment[row + 2, 0] = factor * offset
+
+
+@kernel
+def fill_segment(motion, zone, profiles):
+    """Fill the segment of the step that begins now; return the degree of its polynomials."""
+    if profiles.size > 0:
+        return _fill_profiled(motion, zone, profiles)
+    # Healthy pairs have the same delta_i, and so the same contact state.
+    p, clock, segment = motion.constants, motion.clock, motion.segment
+    contact = clock.contact_a
+    stiffness, damping = _pair_forces(p, zone, contact)
+    offset = -stiffness * contact * p.b
+    arm = p.arm1 + clock.phase * p.pitch
+    friction = p.mu * contact * (zone.sliding_a + zone.sliding_b)
+    moment = p.mu * contact * (zone.sliding_a * arm + zone.sliding_b * (arm + p.pitch))
+    _fill_rows(segment, SEG_FORCE, float(zone.pairs), stiffness, damping, offset)
+    _fill_rows(segment, SEG_FRICTION, friction, stiffness, damping, offset)
+    _fill_rows(segment, SEG_MOMENT, moment, stiffness, damping, offset)
+    return 0
+
+
+@kernel
+def _fill_profiled(motion, zone, profiles):
+    """Fill the segment with pairs that have profiles, each with a contact state of its own."""
+    p, clock, segment = motion.constants, motion.clock, motion.segment
     degree = 0
-    for row in range(SEG_ERROR):
-        segment[row, 0] = 0.0
+    segment[:] = 0.0
     for ahead in range(zone.pairs):
         contact = clock.contact_a if ahead == 0 else clock.contact_b
         sliding = zone.sliding_a if ahead == 0 else zone.sliding_b
-        share = 1.0 if p.rectangular else 1.0 / zone.pairs
-        stiffness = p.k * share if contact != GAP else 0.0
-        damping = p.c * share if contact != GAP or p.damping_in_gap else 0.0
+        stiffness, damping = _pair_forces(p, zone, contact)
         friction = p.mu * sliding * contact
         moment = friction * (p.arm1 + (clock.phase + ahead) * p.pitch)
-        if profiles.size > 0:
-            first = 0 if ahead == 0 else SEG_PAIR
-            segment[first:] = 0.0
-            if has_profile(p, clock, zone, profiles, ahead):
-                degree = WIDTH - 1
-            fill_profiled_pair(
-                p, clock, zone, profiles, ahead, stiffness, damping, contact, segment
-            )
-            _add_pair(segment, friction, moment)
-        else:
-            offset = -stiffness * contact * p.b
-            segment[0, 0] += stiffness
-            segment[1, 0] += damping
-            segment[2, 0] += offset
-            segment[3, 0] += friction * stiffness
-            segment[4, 0] += friction * damping
-            segment[5, 0] += friction * offset
-            segment[6, 0] += moment * stiffness
-            segment[7, 0] += moment * damping
-            segment[8, 0] += moment * offset
+        segment[SEG_PAIR:] = 0.0
+        if has_profile(p, clock, zone, profiles, ahead):
+            degree = WIDTH - 1
+        fill_profiled_pair(motion, zone, profiles, ahead, stiffness, damping, contact)
+        _add_pair(segment, friction, moment)
     return degree

@@ -29,62 +29,32 @@ class IntegrationError(RuntimeError):
 
 
 @kernel
-def _fill(
-    constants,
-    clock,
-    state,
-    series,
-    error,
-    segment,
-    work,
-    point,
-    events,
-    zones,
-    profiles,
-    jumps,
-    whole_every,
-    out,
-):
+def _fill(records, zones, profiles, jumps, whole_every, out):
     return stepper.fill_samples(
-        constants[0],
-        clock[0],
-        borrowed(zones),
-        borrowed(profiles),
-        borrowed(state)[0],
-        borrowed(series)[0],
-        borrowed(error)[0],
-        borrowed(segment)[0],
-        borrowed(work)[0],
-        borrowed(point)[0],
-        borrowed(events)[0],
-        borrowed(jumps),
-        whole_every,
-        borrowed(out),
+        records[0], borrowed(zones), borrowed(profiles), borrowed(jumps), whole_every, borrowed(out)
     )
 
 
 @kernel
-def _reach_sample(
-    constants, clock, state, series, error, segment, work, point, events, zones, profiles, jumps
-):
-    status = stepper.run(
-        constants[0],
-        clock[0],
-        zones,
-        profiles,
-        state[0],
-        series[0],
-        error[0],
-        segment[0],
-        work[0],
-        point[0],
-        events[0],
-        jumps,
-        clock[0].sample,
-    )
+def _hand_out(rows, samples, shafts):
+    """Split the integrator's rows into samples and what the shafts do besides."""
+    for i in range(rows.shape[0]):
+        for j in range(GEAR_SPEED):
+            samples[i, j] = rows[i, j]
+        shafts[i, 0], shafts[i, 1] = rows[i, GEAR_SPEED], rows[i, DRIVE_TORQUE]
+
+
+@kernel
+def _reach_sample(records, zones, profiles, jumps):
+    status = stepper.run(records[0], zones, profiles, jumps)
     if status == stepper.DONE:
-        stepper.pass_section_before_sample(constants[0], clock[0], series[0], events[0])
+        stepper.pass_section_before_sample(records[0])
     return status
+
+
+@kernel
+def _interrupt(records):
+    stepper.interrupt(records[0])
 
 
 class Simulator:
@@ -156,19 +126,18 @@ class Simulator:
             If the step size falls through its floor or the motion is no longer finite.
         """
         n = _checked_count(n)
-        samples, shafts = np.zeros(n, SAMPLES), np.zeros(n, SHAFTS)
+        samples, shafts = np.empty(n, SAMPLES), np.empty(n, SHAFTS)
         rows = samples.view(np.float64).reshape(n, len(SAMPLE_COLUMNS))
         besides = shafts.view(np.float64).reshape(n, 2)
         for begin in range(0, n, _CHUNK):
             part = slice(begin, begin + _CHUNK)
-            made = self._rows[: len(rows[part])]
             if self._limiter is None:
+                made = self._rows[: len(rows[part])]
                 self._integrate(made)
+                _hand_out(made, rows[part], besides[part])
             else:
-                self._integrate(self._limiter.room(len(made)))
-                self._limiter.take(made)
-            rows[part] = made[:, :GEAR_SPEED]
-            besides[part] = made[:, GEAR_SPEED : DRIVE_TORQUE + 1]
+                self._integrate(self._limiter.room(len(rows[part])))
+                self._limiter.take(rows[part], besides[part])
         self.shafts = shafts
         self.samples_done += n
         return samples
@@ -183,7 +152,7 @@ class Simulator:
         self._hold_events()
 
     def _check(self, status: int) -> None:
-        clock = self._motion.clock[0]
+        clock = self._motion.records[0]['clock']
         if status == stepper.EVENTS_FULL:
             self._hold_events()
         elif status != stepper.DONE:
@@ -199,9 +168,10 @@ class Simulator:
             )
 
     def _hold_events(self) -> None:
-        clock = self._motion.clock[0]
+        clock = self._motion.records[0]['clock']
         if clock['events']:
-            self._held_events.append(self._motion.events[0, : clock['events']].copy())
+            events = self._motion.records[0]['events']
+            self._held_events.append(events[: clock['events']].copy())
             clock['events'] = 0
         if self._limiter and clock['jumps']:
             self._limiter.smooth(self._jumps[: clock['jumps']])
@@ -243,7 +213,7 @@ class Simulator:
     def _set(self, values: dict[str, Any]) -> None:
         self.settings = dataclasses.replace(self.settings, **values)
         self._interrupt()
-        clock = self._motion.clock[0]
+        clock = self._motion.records[0]['clock']
         clock['speed_target'], clock['torque_target'] = (
             self.settings.speed,
             self.settings.load_torque,
@@ -254,7 +224,7 @@ class Simulator:
         self._approach('torque', 'torque_rate', 'torque_target', 'torque_limit', 'torque_reached')
 
     def _approach(self, value: str, rate: str, target: str, limit: str, reached: str) -> None:
-        clock = self._motion.clock[0]
+        clock = self._motion.records[0]['clock']
         missing = float(clock[target] - clock[value])
         if missing == 0:
             clock[rate], clock[reached] = 0.0, math.inf
@@ -296,9 +266,10 @@ class Simulator:
     def _repack(self) -> None:
         """Put changed parameters into the motion, which goes on from the same state."""
         packed = pack(self.pair, self.settings.rtol, self.settings.atol, self._drive)
+        self._motion.records['constants'] = packed
         zones = mesh.zones(self.pair, self._profiles)
-        self._motion = self._motion._replace(constants=packed, zones=zones)
-        clock = self._motion.clock[0]
+        self._motion = self._motion._replace(zones=zones)
+        clock = self._motion.records[0]['clock']
         clock['zone'] = np.searchsorted(zones['begin'], clock['phase'], side='right') - 1
         clock['unsettled'] = 1
 
@@ -312,10 +283,7 @@ class Simulator:
     def _interrupt(self) -> None:
         self._reach_sample()
         self._hold_events()
-        motion = self._motion
-        stepper.interrupt(
-            motion.constants[0], motion.clock[0], motion.state[0], motion.series[0], motion.point[0]
-        )
+        _interrupt(self._motion.records)
 
     @property
     def counters(self) -> dict[str, int | float]:
@@ -324,7 +292,7 @@ class Simulator:
         rejected_steps are those that were cut short because contact changed within them;
         contact_losses counts when the last pair in contact loses it; smallest_step is in seconds.
         """
-        clock = self._motion.clock[0]
+        clock = self._motion.records[0]['clock']
         names = ('steps', 'rejected_steps', 'contact_losses', 'back_flank_impacts')
         counts: dict[str, int | float] = {name: int(clock[name]) for name in names}
         smallest = float(clock['smallest_step'])

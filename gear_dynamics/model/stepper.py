@@ -4,18 +4,25 @@ from __future__ import annotations
 
 import math
 
-from gear_dynamics.model.contact import GAP, MOST_RADIANS, contact_state, first_change
+from gear_dynamics.model.contact import (
+    DRIVE,
+    GAP,
+    MOST_RADIANS,
+    contact_state,
+    first_change,
+)
 from gear_dynamics.model.jumps import note_before, note_jump
 from gear_dynamics.model.kernel import kernel
+from gear_dynamics.model.lanes import delta_stays_above
 from gear_dynamics.model.layout import DELTA, ROWS, SEG_ERROR, WIDTH
-from gear_dynamics.model.output import time_of_sample, write_samples
+from gear_dynamics.model.output import time_of_sample, write_due_samples
 from gear_dynamics.model.segment import fill_segment
 from gear_dynamics.model.series import (
     advance_state,
     expand,
+    expand_error,
     polynomial,
     step_size,
-    transmission_error,
     value_and_slope,
 )
 
@@ -78,8 +85,9 @@ def _move_origin(clock):
 
 
 @kernel
-def _emit(clock, events, tau, kind, pair, delta, delta_dot, phase):
-    row = events[clock.events]
+def _emit(motion, tau, kind, pair, delta, delta_dot, phase):
+    clock = motion.clock
+    row = motion.events[clock.events]
     row.t = clock.origin / clock.sample_rate + (clock.begin + tau)
     row.kind = kind
     row.tooth_pair = pair
@@ -90,16 +98,17 @@ def _emit(clock, events, tau, kind, pair, delta, delta_dot, phase):
 
 
 @kernel
-def _pass_section(p, clock, series, until, wraps, events):
+def _pass_section(motion, until, wraps):
     """Emit the section state if the section phase is passed before `until` [s into the step]."""
+    p, clock = motion.constants, motion.clock
     if clock.section_cycle > clock.cycle:
         return
     tau = time_of_phase(p, clock, clock.section_phase) - clock.begin
     if tau < until or wraps:
         tau = min(max(tau, 0.0), until)
-        delta, delta_dot = value_and_slope(series, DELTA, tau)
+        delta, delta_dot = value_and_slope(motion, DELTA, tau)
         pair = clock.cycle % p.hunting
-        _emit(clock, events, tau, 0, pair, delta, delta_dot, clock.section_phase)
+        _emit(motion, tau, 0, pair, delta, delta_dot, clock.section_phase)
         clock.section_cycle = clock.cycle + 1
 
 
@@ -112,8 +121,9 @@ def _flank_event(before, after):
 
 
 @kernel
-def _change_contact(p, clock, zone, series, segment, events):
+def _change_contact(motion, zone):
     """Give the pairs the contact states after the step, with an event for each that changed."""
+    p, clock = motion.constants, motion.clock
     held = clock.contact_a != GAP or (zone.pairs == 2 and clock.contact_b != GAP)
     impact = False
     phase = _phase_at(p, clock, clock.begin + clock.length)
@@ -124,10 +134,10 @@ def _change_contact(p, clock, zone, series, segment, events):
             continue
         kind = _flank_event(before, after)
         impact = impact or kind == 4
-        delta, delta_dot = value_and_slope(series, DELTA, clock.length)
-        error, error_dot = polynomial(segment, SEG_ERROR + ahead, clock.length)
+        delta, delta_dot = value_and_slope(motion, DELTA, clock.length)
+        error, error_dot = polynomial(motion.segment, SEG_ERROR + ahead, clock.length)
         pair = (clock.cycle - ahead) % p.hunting
-        _emit(clock, events, clock.length, kind, pair, delta - error, delta_dot - error_dot, phase)
+        _emit(motion, clock.length, kind, pair, delta - error, delta_dot - error_dot, phase)
     clock.contact_a, clock.contact_b = clock.next_a, clock.next_b
     holds = clock.contact_a != GAP or (zone.pairs == 2 and clock.contact_b != GAP)
     if held and not holds:
@@ -146,20 +156,25 @@ def _enter_zone(p, clock, zones, profiles):
     if clock.zone == zones.size:
         clock.zone = 0
         clock.cycle += 1
+        clock.tooth1, clock.tooth2 = clock.cycle % int(p.z1), clock.cycle % int(p.z2)
         clock.contact_b = clock.contact_a
     clock.phase = zones[clock.zone].begin
     return profiles.size > 0
 
 
 @kernel
-def end_step(p, clock, zones, profiles, y, series, segment, point, events):
-    """Put the state at the end of the present step, and do what happens there."""
+def end_step(motion, zones, profiles):
+    """Put the state at the end of the present step, and do what happens there.
+
+    Return whether flank errors may have jumped.
+    """
+    p, clock = motion.constants, motion.clock
     clock.steps += 1
     wraps = clock.ending == MESH and clock.zone == zones.size - 1
-    _pass_section(p, clock, series, clock.length, wraps, events)
-    advance_state(series, clock.length, y, point)
+    _pass_section(motion, clock.length, wraps)
+    advance_state(motion, clock.length)
     if clock.ending == CONTACT:
-        _change_contact(p, clock, zones[clock.zone], series, segment, events)
+        _change_contact(motion, zones[clock.zone])
     end = clock.begin + clock.length
     clock.phase = _phase_at(p, clock, end)
     clock.speed = clock.anchor_speed + clock.accel * (end - clock.anchor)
@@ -180,34 +195,36 @@ def end_step(p, clock, zones, profiles, y, series, segment, point, events):
 
 
 @kernel
-def _pair_change(clock, profiles, series, error, segment, ahead, state, b, work, entered):
+def _pair_change(motion, profiles, ahead, state, entered):
     """Return when the contact of pair A (ahead 0) or B (ahead 1) changes, and its next state."""
-    row = 1 + ahead
+    b, error, row = motion.constants.b, motion.error, 1 + ahead
     for k in range(ROWS):
-        error[row, k] = series[k, DELTA]
+        error[row, k] = motion.series[k, DELTA]
     if profiles.size > 0:
         for k in range(WIDTH):
-            error[row, k] -= segment[SEG_ERROR + ahead, k]
+            error[row, k] -= motion.segment[SEG_ERROR + ahead, k]
     if entered:
         jumped = contact_state(error[row, 0], error[row, 1], b)
         if jumped != state:
             return 0.0, jumped
-    return first_change(error, row, clock.length, state, b, work)
+    return first_change(error, row, motion.clock.length, state, b, motion.parts)
 
 
 @kernel
-def _find_contact_change(p, clock, zone, profiles, series, error, segment, work, entered):
+def _find_contact_change(motion, zone, profiles, entered):
     """Cut the present step at the first change of contact."""
+    clock = motion.clock
     a, b = clock.contact_a, clock.contact_b
     clock.next_a, clock.next_b = a, b
-    t_a, next_a = _pair_change(clock, profiles, series, error, segment, 0, a, p.b, work, entered)
+    b_half, alone = motion.constants.b, profiles.size == 0
+    if alone and a == DRIVE and delta_stays_above(motion.series, clock.length, b_half):
+        return
+    t_a, next_a = _pair_change(motion, profiles, 0, a, entered)
     t_b, next_b = t_a, next_a
     if profiles.size > 0:
         t_b = math.inf
         if zone.pairs == 2:
-            t_b, next_b = _pair_change(
-                clock, profiles, series, error, segment, 1, b, p.b, work, entered
-            )
+            t_b, next_b = _pair_change(motion, profiles, 1, b, entered)
     first = min(t_a, t_b)
     if first == math.inf:
         return
@@ -220,11 +237,12 @@ def _find_contact_change(p, clock, zone, profiles, series, error, segment, work,
 
 
 @kernel
-def _choose_length(p, clock, zones, series, y):
+def _choose_length(motion, zone):
     """Set how far the present step goes, and why it ends there."""
+    p, clock = motion.constants, motion.clock
     longest = min(LONGEST_STEP, MOST_RADIANS / p.fastest)
-    clock.length, clock.ending = min(step_size(p, series, y), longest), CONTROL
-    to_mesh = max(time_of_phase(p, clock, zones[clock.zone].end) - clock.begin, 0.0)
+    clock.length, clock.ending = min(step_size(motion), longest), CONTROL
+    to_mesh = max(time_of_phase(p, clock, zone.end) - clock.begin, 0.0)
     if to_mesh <= clock.length:
         clock.length, clock.ending = to_mesh, MESH
     to_command = min(clock.speed_reached, clock.torque_reached) - clock.begin
@@ -233,37 +251,34 @@ def _choose_length(p, clock, zones, series, y):
 
 
 @kernel
-def begin_step(p, clock, zones, profiles, y, series, error, segment, work, entered):
-    """Expand the motion about the present state and choose the step."""
+def _settle_new_pair(motion):
+    """Give pair A, which is new here, the contact state that it begins in: no change of contact."""
+    y, error, segment = motion.state, motion.error, motion.segment
+    delta = y[3] - y[1] + y[4] - error[0, 0] - segment[SEG_ERROR, 0]
+    slope = y[9] - y[7] + y[10] - error[0, 1] - segment[SEG_ERROR, 1]
+    motion.clock.contact_a = contact_state(delta, slope, motion.constants.b)
+
+
+@kernel
+def begin_step(motion, zones, profiles, entered):
+    """Expand the motion about the present state and choose the step.
+
+    entered : whether flank errors may have jumped there.
+    """
+    p, clock = motion.constants, motion.clock
     if clock.begin > 1.0:
         _move_origin(clock)
     zone = zones[clock.zone]
-    clock.degree = fill_segment(p, clock, zone, profiles, segment)
-    transmission_error(p, clock.phase, clock.speed, clock.accel, error)
+    clock.degree = fill_segment(motion, zone, profiles)
+    expand_error(motion)
     if entered and profiles.size > 0 and clock.phase == 0.0:
-        # Pair A is new: the state that it begins in is no change of contact.
-        delta = y[3] - y[1] + y[4] - error[0, 0] - segment[SEG_ERROR, 0]
-        slope = y[9] - y[7] + y[10] - error[0, 1] - segment[SEG_ERROR, 1]
-        clock.contact_a = contact_state(delta, slope, p.b)
-        clock.degree = fill_segment(p, clock, zone, profiles, segment)
-    turn = p.pitch * p.z1 / (2 * math.pi)
-    clock.travel = turn * clock.speed
-    ratio_inertia = p.ratio * p.inertia2
-    expand(
-        p,
-        y,
-        error,
-        segment,
-        clock.degree,
-        clock.travel,
-        0.5 * turn * clock.accel,
-        clock.torque + ratio_inertia * clock.accel,
-        clock.torque_rate,
-        series,
-    )
-    _choose_length(p, clock, zones, series, y)
+        _settle_new_pair(motion)
+        clock.degree = fill_segment(motion, zone, profiles)
+    expand(motion)
+    clock.rated = 0
+    _choose_length(motion, zone)
     too_fast = clock.ending == CONTROL and clock.length < SHORTEST_STEP
-    _find_contact_change(p, clock, zone, profiles, series, error, segment, work, entered)
+    _find_contact_change(motion, zone, profiles, entered)
     if too_fast:
         clock.tiny_steps = MANY_TINY_STEPS
     elif clock.length < _TINY / p.wn:
@@ -275,55 +290,57 @@ def begin_step(p, clock, zones, profiles, y, series, error, segment, work, enter
 
 
 @kernel
-def run(p, clock, zones, profiles, y, series, error, segment, work, point, events, jumps, sample):
-    """Step until the present step spans the instant of a sample.
+def run(motion, zones, profiles, jumps):
+    """Step until the present step spans the instant of the next sample.
 
     jumps : (m, ROWS_OF_JUMP, HIGH_RATE_COLUMNS) array
         Filled with the jumps at events; none are looked for if m is 0.
 
     Returns DONE, EVENTS_FULL (empty events and jumps and call again), STUCK or NOT_FINITE.
     """
+    clock = motion.clock
     entered = clock.unsettled != 0
     clock.unsettled = 0
     while True:
         if clock.length < 0:
-            begin_step(p, clock, zones, profiles, y, series, error, segment, work, entered)
+            begin_step(motion, zones, profiles, entered)
             if clock.tiny_steps >= MANY_TINY_STEPS:
                 return STUCK
-            if not math.isfinite(series[2, DELTA] + clock.length):
+            if not math.isfinite(motion.series[2, DELTA] + clock.length):
                 return NOT_FINITE
             if clock.jumped:
-                note_jump(p, clock, series, segment, jumps)
-        if time_of_sample(clock, sample) < clock.begin + clock.length:
+                note_jump(motion, jumps)
+        if time_of_sample(clock, clock.sample) < clock.begin + clock.length:
             return DONE
-        if clock.events > events.size - _EVENTS_PER_STEP:
+        if clock.events > motion.events.size - _EVENTS_PER_STEP:
             return EVENTS_FULL
         if jumps.shape[0] > 0 and (clock.ending == MESH or clock.ending == CONTACT):
             if clock.jumps == jumps.shape[0]:
                 return EVENTS_FULL
-            note_before(p, clock, series, segment)
-        entered = end_step(p, clock, zones, profiles, y, series, segment, point, events)
+            note_before(motion)
+        entered = end_step(motion, zones, profiles)
         clock.length = -1.0
 
 
 @kernel
-def pass_section_before_sample(p, clock, series, events):
+def pass_section_before_sample(motion):
     """Emit the section state that the present step has before the next sample.
 
     `run` must have reached that sample.
     """
-    tau = max(time_of_sample(clock, clock.sample) - clock.begin, 0.0)
-    _pass_section(p, clock, series, tau, False, events)
+    clock = motion.clock
+    _pass_section(motion, max(time_of_sample(clock, clock.sample) - clock.begin, 0.0), False)
 
 
 @kernel
-def interrupt(p, clock, y, series, point):
+def interrupt(motion):
     """End the present step at the instant of the next sample, so that commands may change there.
 
     `run` must have reached that sample, and the section before it have been passed.
     """
+    p, clock = motion.constants, motion.clock
     tau = max(time_of_sample(clock, clock.sample) - clock.begin, 0.0)
-    advance_state(series, tau, y, point)
+    advance_state(motion, tau)
     end = clock.begin + tau
     clock.phase = _phase_at(p, clock, end)
     clock.speed = clock.anchor_speed + clock.accel * (end - clock.anchor)
@@ -334,55 +351,21 @@ def interrupt(p, clock, y, series, point):
 
 
 @kernel
-def fill_samples(
-    p,
-    clock,
-    zones,
-    profiles,
-    y,
-    series,
-    error,
-    segment,
-    work,
-    point,
-    events,
-    jumps,
-    whole_every,
-    out,
-):
+def fill_samples(motion, zones, profiles, jumps, whole_every, out):
     """Fill the rows of `out` with the next samples; return their number and a status.
 
-    out : (n, 13 or more) array
-        Columns in the order of SAMPLE_COLUMNS.
+    jumps : as in `run`
     whole_every : int
         Time, angles and load torque are wanted only of every so many samples, a power of two.
+    out : (n, 13 or more) array
+        Columns in the order of SAMPLE_COLUMNS.
     """
-    count = out.shape[0]
+    clock = motion.clock
     i = 0
-    while i < count:
+    while i < out.shape[0]:
         if clock.length < 0 or time_of_sample(clock, clock.sample) >= clock.begin + clock.length:
-            status = run(
-                p,
-                clock,
-                zones,
-                profiles,
-                y,
-                series,
-                error,
-                segment,
-                work,
-                point,
-                events,
-                jumps,
-                clock.sample,
-            )
+            status = run(motion, zones, profiles, jumps)
             if status != DONE:
                 return i, status
-        together = min(count - i, 4)
-        end = clock.begin + clock.length
-        while time_of_sample(clock, clock.sample + together - 1) >= end:
-            together -= 1
-        write_samples(p, clock, series, segment, point, whole_every, out, i, together)
-        clock.sample += together
-        i += together
-    return count, DONE
+        i += write_due_samples(motion, whole_every, out, i)
+    return i, DONE
