@@ -49,13 +49,13 @@ _SPAN = TAPS + 2 * REACH
 
 @functools.cache
 def taps() -> np.ndarray:
-    """Return the filter, (PADDED_TAPS,), of unit gain at rest; zero beyond TAPS.
+    """Return the filter, (TAPS,), of unit gain at rest.
 
     Kaiser's design formulas (Kaiser, 1974; Oppenheim and Schafer, section 7.5).
     """
     half = TAPS // 2
     response = _windowed_sinc(half, TAPS, (_PASS + _STOP) / OVERSAMPLING, _STOP_DB)
-    return np.pad(response / response.sum(), (0, PADDED_TAPS - TAPS))
+    return response / response.sum()
 
 
 def _windowed_sinc(reach: int, count: int, cutoff: float, stop_db: float) -> np.ndarray:
@@ -150,7 +150,9 @@ class BandLimiter:
         self.capacity = capacity
         self._rate = OVERSAMPLING * sample_rate
         self._rows = _rows_in_cache_lines(_SPAN + OVERSAMPLING * capacity)
-        self._speeds = np.zeros(len(self._rows) + PADDED_TAPS - TAPS)
+        padding = PADDED_TAPS - TAPS
+        self._weights = np.pad(taps(), (0, padding))
+        self._speeds = np.zeros(len(self._rows) + padding)
         self._held = 0
         self._first = 0
         self._jumps = np.zeros((0, ROWS_OF_JUMP, HIGH_RATE_COLUMNS))
@@ -182,7 +184,7 @@ class BandLimiter:
         due = int(np.searchsorted(self._jumps[:, VALUE, T], last - REACH))
         _smooth(jump_residuals(), self._jumps[:due], self._rate, self._rows, self._first)
         self._jumps = self._jumps[due:]
-        _decimate(taps(), self._rows[:filled], self._speeds, samples, shafts)
+        _decimate(self._weights, self._rows[:filled], self._speeds, samples, shafts)
         used = OVERSAMPLING * count
         self._first += used
         self._held = _SPAN - OVERSAMPLING

@@ -169,4 +169,3 @@ def _fastest_mode(pair: GearPair) -> float:
         pair.gear_support_stiffness / derived.gear_mass,
     )
     return math.sqrt(mesh + supports)
-

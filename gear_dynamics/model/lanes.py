@@ -257,9 +257,7 @@ def delta_stays_above(typing_context, series, h, level):
         before = coefficients[0], coefficients[1]
         below = None
         for now in _horner(builder, coefficients, _sixteenths_of(builder, arguments[1])):
-            value, slope = (
-                shifted(builder, *pair) for pair in zip(before, now, strict=True)
-            )
+            value, slope = (shifted(builder, *pair) for pair in zip(before, now, strict=True))
             dip = builder.fmul(half_part, builder.fsub(now[1], slope))
             turns = builder.and_(
                 builder.fcmp_unordered('<', slope, zero), builder.fcmp_unordered('>', now[1], zero)

@@ -192,9 +192,7 @@ def fill_orders(
         data = _data_of_arrays(context, builder, signature.args, arguments)
         answer_data, segment_data, state_data, error_data, series_data = data
         terms = _terms(builder, answer_data, segment_data)
-        grows = [
-            builder.fmul(terms.to_moment, spread(builder, value)) for value in arguments[4:6]
-        ]
+        grows = [builder.fmul(terms.to_moment, spread(builder, value)) for value in arguments[4:6]]
         loads = [spread(builder, value) for value in arguments[6:8]]
         to_load = _answers(builder, answer_data, TO_LOAD)
         offsets = _folded(builder, answer_data, segment_data, 2)

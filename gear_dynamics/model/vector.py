@@ -103,7 +103,9 @@ def multiply_add(builder: Any, a: Any, b: Any, c: Any = None) -> Any:
 
 def magnitude(builder: Any, vector: Any) -> Any:
     """Return the absolute value of each lane."""
-    return larger(builder, vector, builder.fneg(vector))
+    kind = ir.FunctionType(_VECTOR, [_VECTOR])
+    function = cgutils.get_or_insert_function(builder.module, kind, 'llvm.fabs.v8f64')
+    return builder.call(function, [vector])
 
 
 def larger(builder: Any, a: Any, b: Any) -> Any:

@@ -18,7 +18,7 @@ REACH = (1.5, 0.5)
 def static_state(operation: Operation) -> np.ndarray:
     """Return the state of static deflection at mesh phase 0, one of model.layout.STATES."""
     run = settings(operation.speed, operation.load_torque, 0.5, 1e-9, 1e-12)
-    return gather([operation.pair], [run], drive=False).motion.state[0]
+    return gather([operation.pair], [run], drive=False).motion.records['state'][0]
 
 
 def states_at(operation: Operation, delta: np.ndarray, delta_dot: np.ndarray) -> np.ndarray:

@@ -20,14 +20,14 @@ def _angles(p, psi, q):
 
 def state_of_sample(simulator):
     """Return the state at the instant of the simulator's most recent sample."""
-    motion = simulator._motion
-    clock, p = motion.clock[0], motion.constants[0]
+    motion = simulator._motion.records[0]
+    clock, p = motion['clock'], motion['constants']
     tau = (clock['sample'] - 1 - clock['origin']) / clock['sample_rate'] - clock['begin']
     y = np.zeros(13)
     for j in range(6):
-        series = np.polynomial.Polynomial(motion.series[0][:, j])
+        series = np.polynomial.Polynomial(motion['series'][:, j])
         y[j], y[6 + j] = series(tau), series.deriv()(tau)
-    y[12] = motion.state[0][12] + series.integ()(tau)
+    y[12] = motion['state'][12] + series.integ()(tau)
     y[4:6] = _angles(p, *y[4:6])
     y[10:12] = _angles(p, *y[10:12])
     return y
@@ -35,8 +35,8 @@ def state_of_sample(simulator):
 
 def start_from(simulator, y):
     """Let a simulator that has not run yet start from a state instead of the static one."""
-    motion = simulator._motion
-    p, state, clock = motion.constants[0], motion.state[0], motion.clock[0]
+    motion = simulator._motion.records[0]
+    p, state, clock = motion['constants'], motion['state'], motion['clock']
     state[:] = y
     for j in (4, 10):
         state[j] = p['rb1'] * y[j] - p['rb2'] * y[j + 1]

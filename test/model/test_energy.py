@@ -24,20 +24,14 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(24)
 
 
 @kernel
-def begin(constants, clock, state, series, error, segment, work, point, events, zones, profiles):
-    stepper.begin_step(
-        constants[0], clock[0], zones, profiles, state[0], series[0], error[0], segment[0],
-        work[0], False,
-    )  # fmt: skip
+def begin(records, zones, profiles):
+    stepper.begin_step(records[0], zones, profiles, False)
 
 
 @kernel
-def end(constants, clock, state, series, error, segment, work, point, events, zones, profiles):
-    clock[0].events = 0
-    stepper.end_step(
-        constants[0], clock[0], zones, profiles, state[0], series[0], segment[0], point[0],
-        events[0],
-    )  # fmt: skip
+def end(records, zones, profiles):
+    records[0].clock.events = 0
+    stepper.end_step(records[0], zones, profiles)
 
 
 class Ledger:
@@ -153,7 +147,7 @@ def balance(pair, rpm, load_torque, cycles):
         pair, speed=speed, load_torque=load_torque, anti_alias=False, rtol=1e-11, atol=1e-14
     )
     motion = simulator._motion
-    clock, series = motion.clock[0], motion.series[0]
+    clock, series = motion.records[0]['clock'], motion.records[0]['series']
     ledger = Ledger(pair, speed, load_torque)
     first = last = teeth_before = None
     while clock['cycle'] < cycles:

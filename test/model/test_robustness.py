@@ -89,7 +89,7 @@ def test_what_cannot_be_integrated_raises_one_clear_line():
     simulator = Simulator(GearPair(), anti_alias=False)
     simulator.advance(100)
     simulator.command(load_torque=151.0)
-    simulator._motion.state[0, 1] = np.nan
+    simulator._motion.records[0]['state'][1] = np.nan
     with pytest.raises(IntegrationError) as caught:
         simulator.advance(1000)
     message = str(caught.value)
@@ -122,7 +122,7 @@ def test_events_without_end_stop_the_run():
     # No parameters are known that lead there. On the time scale given here, 1 / wn of a thousand
     # years, every step that is cut at an event is next to none.
     simulator = Simulator(GearPair(), anti_alias=False)
-    simulator._motion.constants['wn'] /= 1e15
+    simulator._motion.records['constants']['wn'] /= 1e15
     with pytest.raises(IntegrationError, match='the step size fell through its floor'):
         simulator.advance(10**7)
     assert simulator.counters['steps'] <= MANY_TINY_STEPS
