@@ -27,7 +27,7 @@ PARTS = 20
 AT_ONCE = 60
 
 JUMP = 0.1
-"""Change of the RMS over b from one value to the next that counts as a jump, if it is FAR standard
+"""Change of the RMS over b from one value to another that counts as a jump, if it is FAR standard
 errors too."""
 
 FAR = 4.0
@@ -154,12 +154,24 @@ def response(
 def jumps(
     values: np.ndarray, rms: np.ndarray, error: np.ndarray
 ) -> list[tuple[float, float, float]]:
-    """Return where the RMS jumps along increasing values: the value and RMS before and after."""
-    steps = np.abs(np.diff(rms)) > np.maximum(JUMP, FAR * np.hypot(error[1:], error[:-1]))
+    """Return where the RMS jumps along increasing values: the value and RMS before and after.
+
+    Over one step, or over two where a motion between them was seen on its way.
+    """
+    one = _far(rms, error, 1)
+    two = _far(rms, error, 2)
+    two[1:] &= ~two[:-1]
+    two &= ~(one[1:] | one[:-1])
+    pairs = [(i, i + 1) for i in np.flatnonzero(one)] + [(i, i + 2) for i in np.flatnonzero(two)]
     return [
-        (float((values[i] + values[i + 1]) / 2), float(rms[i]), float(rms[i + 1]))
-        for i in np.flatnonzero(steps)
+        (float((values[i] + values[j]) / 2), float(rms[i]), float(rms[j])) for i, j in sorted(pairs)
     ]
+
+
+def _far(rms: np.ndarray, error: np.ndarray, steps: int) -> np.ndarray:
+    """Return which values differ from those a number of steps further by what counts as a jump."""
+    apart = np.hypot(error[steps:], error[:-steps])
+    return np.abs(rms[steps:] - rms[:-steps]) > np.maximum(JUMP, FAR * apart)
 
 
 def _text(operation: Operation, arrays: dict[str, np.ndarray]) -> str:

@@ -141,6 +141,16 @@ def test_transient_is_found():
     assert halves_agree(begun[cut:]).all()
 
 
+def test_chaos_that_dies_within_the_record_is_dropped_as_a_transient():
+    """The exponent is that of the motion it ends in, not a mean over both."""
+    rates = np.random.default_rng(3).normal(0.05, 0.1, (400, 1))
+    rates[180:] = -0.015
+    found = exponents(rates, 1.0)
+    assert found.discarded == 200
+    assert found.settled.all()
+    assert found.values == pytest.approx([-0.015])
+
+
 def test_exponent_that_drifts_is_not_settled_and_the_others_are():
     rates = np.random.default_rng(2).normal(size=(4000, 3))
     rates[:, 1] += np.linspace(0, 10, 4000) - 20

@@ -156,6 +156,13 @@ def test_response_jumps_where_attractors_end():
     assert jumps(values, rms, error) == [(1.5, 0.11, 0.3), (3.5, 0.31, 0.6)]
 
 
+def test_response_jumps_past_a_motion_that_was_on_its_way():
+    """Half of its record on either side: an RMS between, with an error as large as the step."""
+    values, rms = np.arange(5.0), np.array([0.1, 0.11, 0.2, 0.3, 0.31])
+    error = np.array([0, 0, 0.05, 0, 0])
+    assert jumps(values, rms, error) == [(2.0, 0.11, 0.3)]
+
+
 def test_response_of_the_linear_oscillator_has_the_closed_form_rms():
     """Fa W^2 / sqrt((1 - W^2)^2 + (2 zeta W)^2) over the square root of 2."""
     zeta, torque = 0.05, 500.0

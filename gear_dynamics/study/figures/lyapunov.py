@@ -16,7 +16,7 @@ def draw(arrays: Arrays) -> Figure:
     """Draw the convergence of all exponents and the section, a column for each friction."""
     frictions = np.unique(arrays['friction'])
     figure = new_figure(4 * len(frictions), 7, 'Lyapunov exponents per τ = ωn t')
-    grid = figure.subplots(2, len(frictions), squeeze=False, sharey='row')
+    grid = figure.subplots(2, len(frictions), squeeze=False, sharex='row', sharey='row')
     for column, mu in zip(grid.T, frictions, strict=True):
         which = np.flatnonzero(arrays['friction'] == mu)
         _convergence(column[0], arrays, which, mu)
