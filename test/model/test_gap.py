@@ -121,3 +121,34 @@ def test_bouncing_keeps_momentum_and_energy():
         assert abs(moment + other) < 1e-12 * (abs(moment) + abs(other)) + 1e-16
     assert simulator.counters['back_flank_impacts'] > 10
     np.testing.assert_allclose(energies, energies[0], rtol=1e-9)
+
+
+def swing(flank, depth):
+    """Return the contact events of one swing on a flank that ends `depth` past its edge.
+
+    Undamped about the deflection F / k: from twice that and `depth` it swings to b - depth.
+    """
+    force = 5.0
+    load_torque = flank * force * RIGID.derived.gear_base_radius
+    start = RIGID.half_backlash + 2 * force / RIGID.tooth_pair_stiffness + depth
+    simulator = in_the_gap(RIGID, flank * start, 0.0, speed=0.0, load_torque=load_torque)
+    simulator.advance(int(1.5 * math.pi / RIGID.derived.wn * 51200))
+    events = simulator.take_events()
+    events = events[events['kind'] != EventKind.SECTION]
+    return list(events['kind'][np.unique(events['t'], return_index=True)[1]])
+
+
+@pytest.mark.parametrize(
+    ('flank', 'lost', 'regained'),
+    [
+        (1, EventKind.DRIVE_LOST, EventKind.DRIVE_REGAINED),
+        (-1, EventKind.BACK_LOST, EventKind.BACK_REGAINED),
+    ],
+)
+@pytest.mark.parametrize('depth', [1e-8, 1e-10, 1e-12, 1e-13])
+def test_contact_lost_by_next_to_nothing_is_neither_missed_nor_imagined(
+    flank, lost, regained, depth
+):
+    # Stiff supports of 1e15 N/m give way by 2e-8 of the swing, which is 1e-6 m.
+    assert swing(flank, depth) == [lost, regained]
+    assert swing(flank, -depth) == []
