@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from gear_dynamics.model.kernel import kernel
-from gear_dynamics.model.lanes import sixteenths
+from gear_dynamics.model.polynomials import sixteenths
 from gear_dynamics.model.series import polynomial
 from gear_dynamics.model.vector import LANES
 
@@ -38,12 +38,17 @@ def contact_state(delta, slope, b):
 
 
 @kernel
-def _root(g, row, level, sign, inside, outside):
-    """Return where sign (g - level) falls to zero between the times inside and outside."""
-    t = 0.5 * (inside + outside)
+def _root(g, row, level, sign, inside, outside, start):
+    """Return where sign (g - level) falls to zero between the times inside and outside.
+
+    By Newton's method from `start`, held between the two, to the rounding of g.
+    """
+    t = start
     for _ in range(100):
         value, slope = polynomial(g, row, t)
         value -= level
+        if abs(value) <= _NEAR * abs(level):
+            return t
         if sign * value > 0:
             inside = t
         else:
@@ -81,6 +86,24 @@ def _extremum(g, row, low, high):
 
 
 @kernel
+def _may_dip(ua, va, ub, vb, h):
+    """Return whether a function, positive at both ends of h, may be negative between.
+
+    Between slopes va and vb the dip below the ends is at most a quarter of (vb - va) h where the
+    function is convex; twice that leaves room for an inflection.
+    """
+    return va < 0 < vb and min(ua, ub) <= 0.5 * (vb - va) * h
+
+
+@kernel
+def _stays(level, sign, near, h, ga, sa, gb, sb):
+    """Return whether sign (g - level) is positive all over h, as is told from the ends alone."""
+    ua, va = sign * (ga - level), sign * sa
+    ub, vb = sign * (gb - level), sign * sb
+    return ua > near and ub >= 0 and not _may_dip(ua, va, ub, vb, h)
+
+
+@kernel
 def _exit(g, row, level, sign, near, ta, ga, sa, tb, gb, sb):
     """Return the first time in [ta, tb] at which sign (g - level) turns negative, or inf.
 
@@ -95,15 +118,14 @@ def _exit(g, row, level, sign, near, ta, ga, sa, tb, gb, sb):
             return math.inf
         if va <= 0:
             return ta
-        return _root(g, row, level, sign, _extremum(g, row, ta, tb) if va > 0 > vb else ta, tb)
+        begin = _extremum(g, row, ta, tb) if va > 0 > vb else ta
+        return _root(g, row, level, sign, begin, tb, 0.5 * (begin + tb))
     if ub < 0:
-        return _root(g, row, level, sign, ta, tb)
-    # Between slopes va and vb the dip below the ends is at most a quarter of (vb - va) (tb - ta)
-    # where g is convex; twice that leaves room for an inflection.
-    if va < 0 < vb and min(ua, ub) <= 0.5 * (vb - va) * (tb - ta):
+        return _root(g, row, level, sign, ta, tb, ta + (tb - ta) * ua / (ua - ub))
+    if _may_dip(ua, va, ub, vb, tb - ta):
         lowest = _extremum(g, row, ta, tb)
         if sign * (polynomial(g, row, lowest)[0] - level) < 0:
-            return _root(g, row, level, sign, ta, lowest)
+            return _root(g, row, level, sign, ta, lowest, 0.5 * (ta + lowest))
     return math.inf
 
 
@@ -136,17 +158,18 @@ def first_change(g, row, h, state, b, parts):
     for j in range(PARTS):
         ga, sa, ta = gb, sb, tb
         gb, sb, tb = parts[0, j], parts[1, j], h * ((j + 1) / PARTS)
-        if state == DRIVE:
-            t = _exit(g, row, b, 1.0, near, ta, ga, sa, tb, gb, sb)
-            if t < math.inf:
-                return t, GAP
-        elif state == BACK:
-            t = _exit(g, row, -b, -1.0, near, ta, ga, sa, tb, gb, sb)
-            if t < math.inf:
-                return t, GAP
-        else:
-            rises = _exit(g, row, b, -1.0, near, ta, ga, sa, tb, gb, sb)
+        # A pair on a flank leaves it towards the gap; in the gap it may reach either flank.
+        leaves = falls = math.inf
+        if state != GAP:
+            if not _stays(state * b, 1.0 * state, near, tb - ta, ga, sa, gb, sb):
+                leaves = _exit(g, row, state * b, 1.0 * state, near, ta, ga, sa, tb, gb, sb)
+            if leaves < math.inf:
+                return leaves, GAP
+            continue
+        if not _stays(b, -1.0, near, tb - ta, ga, sa, gb, sb):
+            leaves = _exit(g, row, b, -1.0, near, ta, ga, sa, tb, gb, sb)
+        if not _stays(-b, 1.0, near, tb - ta, ga, sa, gb, sb):
             falls = _exit(g, row, -b, 1.0, near, ta, ga, sa, tb, gb, sb)
-            if rises < math.inf or falls < math.inf:
-                return (rises, DRIVE) if rises <= falls else (falls, BACK)
+        if leaves < math.inf or falls < math.inf:
+            return (leaves, DRIVE) if leaves <= falls else (falls, BACK)
     return math.inf, state

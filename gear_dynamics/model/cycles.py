@@ -15,7 +15,6 @@ from gear_dynamics.model.columns import SAMPLE_COLUMNS, SAMPLES
 from gear_dynamics.model.contact import contact_state
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.kernel import borrowed, kernel
-from gear_dynamics.model.lanes import columns_at
 from gear_dynamics.model.layout import (
     DELTA,
     Q_SUM,
@@ -25,6 +24,7 @@ from gear_dynamics.model.layout import (
     STATES,
 )
 from gear_dynamics.model.output import write_due_samples
+from gear_dynamics.model.polynomials import columns_at
 from gear_dynamics.model.run_settings import RunSettings
 from gear_dynamics.model.segment import fill_segment
 from gear_dynamics.model.variation import (

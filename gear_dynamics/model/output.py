@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 from gear_dynamics.model.kernel import kernel
-from gear_dynamics.model.lanes import fill_rates, fill_values
 from gear_dynamics.model.layout import (
     ANGLE1,
     ANGLE2,
@@ -37,6 +36,7 @@ from gear_dynamics.model.layout import (
     Q,
     T,
 )
+from gear_dynamics.model.polynomials import fill_rates, fill_values
 from gear_dynamics.model.vector import LANES
 
 TURN = 2 * math.pi

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from gear_dynamics.model.kernel import kernel
-from gear_dynamics.model.lanes import advance_columns, largest, rough_log2
+from gear_dynamics.model.lanes import largest, rough_log2
 from gear_dynamics.model.layout import (
     DELTA,
     ORDER,
@@ -22,6 +22,7 @@ from gear_dynamics.model.layout import (
     SEG_MOMENT,
     WIDTH,
 )
+from gear_dynamics.model.polynomials import advance_columns
 from gear_dynamics.model.recurrence import begin_series, fill_order, fill_orders
 
 _INVERSE = 1.0 / np.arange(1, ORDER + 3)

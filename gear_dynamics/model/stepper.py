@@ -13,9 +13,9 @@ from gear_dynamics.model.contact import (
 )
 from gear_dynamics.model.jumps import note_before, note_jump
 from gear_dynamics.model.kernel import kernel
-from gear_dynamics.model.lanes import delta_stays_above
 from gear_dynamics.model.layout import DELTA, ROWS, SEG_ERROR, WIDTH
 from gear_dynamics.model.output import time_of_sample, write_due_samples
+from gear_dynamics.model.polynomials import delta_stays_above
 from gear_dynamics.model.segment import fill_segment
 from gear_dynamics.model.series import (
     advance_state,

@@ -1,4 +1,4 @@
-"""Vectors of eight numbers in LLVM's intermediate code: what `lanes` and `recurrence` are made of.
+"""Vectors of eight numbers in LLVM code: what the vector kernels are made of.
 
 Numba's own vectorizer does not see the short loops of a series (measured: five to ten times
 slower), so that they are written out as LLVM vector code. The arithmetic is multiply-add in a fixed
