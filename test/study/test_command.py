@@ -1,0 +1,122 @@
+"""The `study` command: stopped and given again, on a full disk, and with wrong input."""
+
+import re
+import resource
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from gear_dynamics import study
+from gear_dynamics.study.command import main
+from gear_dynamics.study.warm_up import warm_up
+
+ROWS = 40
+COMMAND = ['basins', '--size', str(ROWS), '--transient', '300', '--quiet']
+
+
+def start(output, **how):
+    command = [sys.executable, '-m', 'gear_dynamics', 'study', *COMMAND, '--output', str(output)]
+    return subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **how
+    )
+
+
+def last_line(text):
+    """Return the last line, as the one before may tell that all is compiled."""
+    return text.splitlines()[-1]
+
+
+def finished(output):
+    return len(list(output.glob('.basins_parts/*.part')))
+
+
+@pytest.fixture(scope='module')
+def whole():
+    """Give the result of the study without any stop; all is compiled before."""
+    warm_up()
+    return study.basins(study.friction_chaos(), size=ROWS, transient=300)
+
+
+def test_a_stopped_study_goes_on_and_loses_nothing(whole, tmp_path):
+    """Ctrl-C, then SIGTERM, then SIGKILL, each in the middle."""
+    for number, code in ((signal.SIGINT, 130), (signal.SIGTERM, 130), (signal.SIGKILL, -9)):
+        before = finished(tmp_path)
+        with start(tmp_path) as process:
+            while finished(tmp_path) < before + 3:
+                assert process.poll() is None
+                time.sleep(0.01)
+            process.send_signal(number)
+            errors = process.communicate()[1]
+        assert process.returncode == code, errors
+        if code == 130:
+            assert errors == 'study: stopped; the same command goes on from what is finished\n'
+    kept = finished(tmp_path)
+    assert 9 <= kept < ROWS
+    with start(tmp_path) as process:
+        output, errors = process.communicate()
+    assert process.returncode == 0, errors
+    assert f'\n{kept} of {ROWS} tasks had been finished before.\n' in output
+    assert output.startswith(whole.text)
+    with np.load(tmp_path / 'basins.npz') as stored:
+        for name, array in whole.arrays.items():
+            assert np.array_equal(stored[name], array), name
+    names = sorted(path.name for path in tmp_path.iterdir())
+    assert names == ['basins.csv', 'basins.npz', 'basins.png', 'basins.txt']
+
+
+def test_a_full_disk_leaves_no_half_of_a_result_and_loses_nothing(whole, tmp_path):
+    def small_files():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, 10_000))
+
+    with start(tmp_path, preexec_fn=small_files) as process:
+        errors = process.communicate()[1]
+    assert process.returncode == 2
+    assert re.fullmatch(
+        r'study: \S+: File too large: make room, and the same command goes on .*', last_line(errors)
+    )
+    assert [path.name for path in tmp_path.iterdir()] == ['.basins_parts']
+    with start(tmp_path) as process:
+        output = process.communicate()[0]
+    assert process.returncode == 0
+    assert f'\n{ROWS} of {ROWS} tasks had been finished before.\n' in output
+
+
+def test_a_result_that_exists_is_not_overwritten(tmp_path, capsys):
+    (tmp_path / 'basins.npz').write_bytes(b'precious')
+    assert main(['basins', '--output', str(tmp_path)]) == 2
+    assert capsys.readouterr().err == (
+        f'study: {tmp_path}/basins.npz exists: move it, or name another directory with --output\n'
+    )
+    assert (tmp_path / 'basins.npz').read_bytes() == b'precious'
+
+
+@pytest.mark.parametrize(
+    ('arguments', 'words'),
+    [
+        ('basins --size 1', '--size is 1: it must be an integer, 2 or more'),
+        ('basins --reach nan 1', '--reach is nan: it must be a finite number'),
+        ('bifurcation --transient -1', '--transient is -1: it must be an integer, 0 or more'),
+        ('bifurcation --begin 2 --end 1', '--begin 2 is not below --end 1: exchange them'),
+        ('response --end inf', '--end is inf: it must be a finite number'),
+        ('attractor --set w=nan', 'w is nan: speed is nan: it must be a finite number from 0'),
+        ('lyapunov --set w=0', 'w is 0: speed is 0: it must be positive'),
+        ('lyapunov --frictions 0 -1', 'friction_coefficient is -1.0: it must be a finite number'),
+        ('spectrum --set load_torque=nan', 'load_torque is nan: it must be a finite number'),
+        ('spectrum --params {}', 'speed is 0: it must be positive, as a study counts mesh cycles'),
+        ('basins --output {}', 'Not a directory: name another directory with --output'),
+    ],
+)
+def test_wrong_input_is_refused_in_one_line(tmp_path, capsys, arguments, words):
+    file = tmp_path / 'standing.yaml'
+    file.write_text('/**: {ros__parameters: {speed: 0.0}}')
+    output = [] if '--output' in arguments else ['--output', str(tmp_path)]
+    assert main([*arguments.format(file).split(), *output]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith('study: ')
+    assert words in error
+    assert error.count('\n') == 1
+    assert not list(tmp_path.glob('*.npz'))
