@@ -22,6 +22,9 @@ PATIENCE = 10.0
 
 MISSING = 'studies on a cluster need dask: install it with pip install "gear_dynamics[cluster]"'
 
+IGNORE_INTERRUPT = 'import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)'
+"""What workers of a local cluster run first: Ctrl-C reaches them too, but is for the study."""
+
 GOES_ON = 'the same command goes on from what is finished'
 
 
@@ -135,6 +138,7 @@ def _start_local() -> Any:
         threads_per_worker=1,
         dashboard_address=None,
         silence_logs=logging.CRITICAL,
+        preload=[IGNORE_INTERRUPT],
         env={'NUMBA_NUM_THREADS': '1'},
     )
 
