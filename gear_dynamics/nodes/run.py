@@ -206,8 +206,10 @@ def _spin(node: Node, part: Part, stop: StopFlag) -> None:
     # The events executor runs callbacks only from spin_once with a time-out.
     executor = make_executor()
     executor.add_node(node)
+    # Asked once: whether an object follows a protocol takes as long as handling a message.
+    finite = part if isinstance(part, FinitePart) else None
     try:
-        while not (stop or (isinstance(part, FinitePart) and part.done())) and rclpy.ok():
+        while not (stop or (finite and finite.done())) and rclpy.ok():
             executor.spin_once(timeout_sec=0.1)
     finally:
         executor.shutdown()
