@@ -15,12 +15,11 @@ from gear_dynamics.study.lyapunov_table import (
     convergence_table,
     finding,
     finding_arrays,
-    nearby_cycles,
-    spectrum_task,
     unsettled_words,
 )
 from gear_dynamics.study.operation import Operation
 from gear_dynamics.study.outcome import Outcome
+from gear_dynamics.study.records import records
 from gear_dynamics.study.tasks import Arrays, Runner
 
 SHOWN = 32
@@ -41,16 +40,14 @@ SAMPLED_UNITS = {
 }
 
 
-def attractor_task(operation: Operation, transient: int, cycles: int) -> Arrays:
-    """Return history, spectrum, section and growth of one motion."""
-    nearby = nearby_cycles(cycles)
-    found = spectrum_task(operation, scattered_states(operation, 1), transient, cycles, nearby)
+def portrait_task(operation: Operation, states: np.ndarray) -> Arrays:
+    """Return history and spectrum of one motion."""
     sampled = run_cycles(
         [operation.pair],
         operation.speed,
         operation.load_torque,
         SPECTRUM_CYCLES,
-        states=found['states'],
+        states=states,
         samples_per_cycle=SAMPLES,
     )
     b, wn = operation.pair.half_backlash, operation.pair.derived.wn
@@ -58,7 +55,7 @@ def attractor_task(operation: Operation, transient: int, cycles: int) -> Arrays:
     slope = sampled.samples[0]['delta_dot'] / (b * wn)
     order, lines = amplitude_spectrum(delta - delta.mean(), SAMPLES, length=len(delta) // 2)
     shown, low = slice(SHOWN * SAMPLES), order <= 4
-    return found | {
+    return {
         'tau': sampled.samples[0]['t'][shown] * wn,
         'delta': delta[shown],
         'delta_dot': slope[shown],
@@ -92,14 +89,16 @@ def attractor(
     """
     runner = runner or Runner()
     operations = [operation.with_value('friction_coefficient', mu) for mu in frictions]
+    begins = [scattered_states(each, 1) for each in operations]
+    results = records(operations, begins, transient, cycles, runner, 'attractor')
     arguments = [
-        {'operation': each, 'transient': transient, 'cycles': cycles} for each in operations
+        {'operation': each, 'states': result['states']}
+        for each, result in zip(operations, results, strict=True)
     ]
-    results = runner.run(attractor_task, arguments, 'attractor')
+    portraits = runner.run(portrait_task, arguments, 'portraits')
     findings = [finding(each, result, 0) for each, result in zip(operations, results, strict=True)]
-    names = ('tau', 'delta', 'delta_dot', 'order', 'amplitude', 'sections')
-    arrays = {name: np.array([result[name] for result in results]) for name in names}
-    arrays['sections'] = arrays['sections'][:, 0]
+    arrays = {name: np.array([each[name] for each in portraits]) for name in SAMPLED_UNITS}
+    arrays['sections'] = np.array([result['sections'][0] for result in results])
     arrays |= finding_arrays(findings)
     return Outcome(
         'attractor',

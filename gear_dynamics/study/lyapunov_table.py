@@ -8,8 +8,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gear_dynamics.model.cycles import run_cycles
-from gear_dynamics.model.nearby import nearby_growth
 from gear_dynamics.study.exponents import (
     Exponents,
     exponent_columns,
@@ -17,10 +15,11 @@ from gear_dynamics.study.exponents import (
     standard_error,
     sum_error,
 )
-from gear_dynamics.study.initial import first_variations, scattered_states
+from gear_dynamics.study.initial import scattered_states
 from gear_dynamics.study.kind import Kind, kind_of
 from gear_dynamics.study.operation import Operation
 from gear_dynamics.study.outcome import Outcome
+from gear_dynamics.study.records import records
 from gear_dynamics.study.tasks import Arrays, Runner
 
 UNITS = {
@@ -69,27 +68,6 @@ class Finding(NamedTuple):
         return abs(float(sum_error(total, np.asarray(self.divergence))))
 
 
-def spectrum_task(
-    operation: Operation, states: np.ndarray, transient: int, cycles: int, nearby: int
-) -> Arrays:
-    """Return sections, growth and divergence of the motions from each row of `states`.
-
-    And the growth between two nearby motions over `nearby` cycles more, and where those begin.
-    """
-    pairs = [operation.pair] * len(states)
-    speed, torque = operation.speed, operation.load_torque
-    vectors = first_variations(len(states))
-    before = run_cycles(pairs, speed, torque, transient, states=states, vectors=vectors)
-    after = run_cycles(pairs, speed, torque, cycles, states=before.states, vectors=before.vectors)
-    return {
-        'sections': operation.scaled(after.sections),
-        'growth': after.growth,
-        'divergence': after.divergence,
-        'nearby': nearby_growth(pairs, speed, torque, nearby, after.states),
-        'states': after.states,
-    }
-
-
 def lyapunov(
     operation: Operation,
     frictions: Sequence[float] = (0.0, 0.03, 0.05),
@@ -121,17 +99,8 @@ def lyapunov(
     """
     runner = runner or Runner()
     operations = [operation.with_value('friction_coefficient', mu) for mu in frictions]
-    arguments = [
-        {
-            'operation': each,
-            'states': scattered_states(each, initial_states),
-            'transient': transient,
-            'cycles': cycles,
-            'nearby': nearby_cycles(cycles),
-        }
-        for each in operations
-    ]
-    results = runner.run(spectrum_task, arguments, 'lyapunov')
+    states = [scattered_states(each, initial_states) for each in operations]
+    results = records(operations, states, transient, cycles, runner, 'lyapunov')
     findings = [
         finding(each, result, i)
         for each, result in zip(operations, results, strict=True)
@@ -146,11 +115,6 @@ def lyapunov(
         UNITS,
         {'_convergence': convergence_table(findings)},
     )
-
-
-def nearby_cycles(cycles: int) -> int:
-    """Return over how many cycles two nearby motions are compared, beside a record of `cycles`."""
-    return max(cycles // 5, 200)
 
 
 def finding(operation: Operation, result: Arrays, i: int) -> Finding:

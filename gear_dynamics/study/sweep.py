@@ -68,11 +68,13 @@ def follow(
     """
     parts = []
     arranged = list(map(list, zip(*chains, strict=True)))
-    for part in runner.track(chunks(len(arranged), FOLLOWED), 'following'):
-        argument = {'operations': arranged[part], 'states': states, 'cycles': cycles}
-        followed = runner.run(follow_task, [argument])[0]['states']
-        states = followed[-1]
-        parts.append(followed)
+    pieces = chunks(len(arranged), FOLLOWED)
+    with runner.progress(len(pieces), 'following'):
+        for part in pieces:
+            argument = {'operations': arranged[part], 'states': states, 'cycles': cycles}
+            followed = runner.run(follow_task, [argument])[0]['states']
+            states = followed[-1]
+            parts.append(followed)
     return np.concatenate(parts).swapaxes(0, 1)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -38,33 +39,40 @@ class Runner:
     ) -> None:
         self.computed = self.taken = 0
         self._progress = progress
+        self._bar: Any = None
         self._parts = None if parts is None else Parts(parts)
         self._cluster = None if cluster is None else Cluster(cluster)
 
     def run(self, task: Task, arguments: Sequence[dict[str, Any]], label: str = '') -> list[Arrays]:
         """Return the results of a task for each set of arguments, in their order.
 
-        There is a progress bar if there is a label.
+        With a label there is a progress bar, if none is shown yet by `progress`.
         """
+        if label and self._bar is None:
+            with self.progress(len(arguments), label):
+                return self.run(task, arguments)
         results = [self._kept(task, each) for each in arguments]
         missing = [i for i, result in enumerate(results) if result is None]
-        taken = len(arguments) - len(missing)
-        self.taken += taken
-        with self._bar(len(arguments) if label else 0, label, taken) as bar:
-            for i, result in self._compute(task, arguments, missing):
-                results[i] = result
-                if self._parts is not None:
-                    self._parts.write(task, arguments[i], result)
-                self.computed += 1
-                bar.update()
+        self._skip(len(arguments) - len(missing))
+        for i, result in self._compute(task, arguments, missing):
+            results[i] = result
+            if self._parts is not None:
+                self._parts.write(task, arguments[i], result)
+            self.computed += 1
+            if self._bar is not None:
+                self._bar.update()
         return [result for result in results if result is not None]
 
-    def track(self, items: Sequence[Any], label: str) -> Iterator[Any]:
-        """Yield things one after the other, with a progress bar."""
-        with self._bar(len(items), label) as bar:
-            for item in items:
-                yield item
-                bar.update()
+    @contextlib.contextmanager
+    def progress(self, count: int, label: str) -> Iterator[None]:
+        """Show one progress bar for the tasks that are run within, `count` in all."""
+        from tqdm import tqdm
+
+        with tqdm(total=count, desc=label, disable=not self._progress) as self._bar:
+            try:
+                yield
+            finally:
+                self._bar = None
 
     def forget(self) -> None:
         """Remove what was kept: the study is whole and written."""
@@ -75,6 +83,15 @@ class Runner:
         """Leave the cluster."""
         if self._cluster is not None:
             self._cluster.close()
+
+    def _skip(self, taken: int) -> None:
+        """Count what was there before; it says nothing of the time left."""
+        self.taken += taken
+        if self._bar is not None and not self._bar.disable:
+            self._bar.initial += taken
+            self._bar.last_print_n += taken
+            self._bar.n += taken
+            self._bar.refresh()
 
     def _kept(self, task: Task, arguments: dict[str, Any]) -> Arrays | None:
         return None if self._parts is None else self._parts.read(task, arguments)
@@ -87,12 +104,6 @@ class Runner:
             return
         for i in missing:
             yield i, task(**arguments[i])
-
-    def _bar(self, total: int, label: str, done: int = 0) -> Any:
-        from tqdm import tqdm
-
-        # What was there before says nothing of the speed.
-        return tqdm(total=total, desc=label, initial=done, disable=not (self._progress and total))
 
 
 def chunks(count: int, size: int) -> list[slice]:

@@ -108,6 +108,25 @@ def test_parts_of_another_study_stay(tmp_path):
     assert (runner.taken, runner.computed) == (1, 1)
 
 
+def test_progress_counts_the_tasks_of_several_runs_and_those_found_before(tmp_path, capsys):
+    arguments = [{'x': x} for x in range(4)]
+    Runner(tmp_path).run(square, arguments[:2])
+    runner = Runner(tmp_path, progress=True)
+    with runner.progress(4, 'squares'):
+        runner.run(square, arguments[:3], 'three')
+        runner.run(square, arguments[3:], 'one')
+    last = capsys.readouterr().err.rstrip().rsplit('\r', 1)[-1]
+    assert last.startswith('squares: 100%')
+    assert ' 4/4 ' in last
+
+
+def test_progress_is_shown_for_a_label_alone(capsys):
+    Runner(progress=True).run(square, [{'x': 1}])
+    assert capsys.readouterr().err == ''
+    Runner(progress=True).run(square, [{'x': 1}], 'square')
+    assert 'square: 100%' in capsys.readouterr().err
+
+
 def test_fingerprints_tell_arguments_apart():
     operation = friction_chaos()
     same = {'operation': operation, 'states': np.zeros(3)}

@@ -1,0 +1,113 @@
+"""Records of motions with their variations, run in stretches: so that long ones show progress."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from gear_dynamics.model.cycles import run_cycles
+from gear_dynamics.model.nearby import nearby_growth
+from gear_dynamics.study.initial import first_variations
+from gear_dynamics.study.operation import Operation
+from gear_dynamics.study.tasks import Arrays, Runner, chunks
+
+STRETCH = 60_000
+"""Mesh cycles in a stretch, of all its motions together: about a second on a core."""
+
+
+def stretch_task(
+    operation: Operation, states: np.ndarray, vectors: np.ndarray, cycles: int
+) -> Arrays:
+    """Return sections, growth and divergence of n motions, and where they end."""
+    run = run_cycles(
+        [operation.pair] * len(states),
+        operation.speed,
+        operation.load_torque,
+        cycles,
+        states=states,
+        vectors=vectors,
+    )
+    return {
+        'sections': operation.scaled(run.sections),
+        'growth': run.growth,
+        'divergence': run.divergence,
+        'states': run.states,
+        'vectors': run.vectors,
+    }
+
+
+def nearby_task(operation: Operation, states: np.ndarray, cycles: int) -> Arrays:
+    """Return the growth between each of n motions and one nearby."""
+    pairs = [operation.pair] * len(states)
+    return {'nearby': nearby_growth(pairs, operation.speed, operation.load_torque, cycles, states)}
+
+
+def records(
+    operations: Sequence[Operation],
+    states: Sequence[np.ndarray],
+    transient: int,
+    cycles: int,
+    runner: Runner,
+    label: str,
+) -> list[Arrays]:
+    """Return for each operation the records of n motions after a transient.
+
+    Parameters
+    ----------
+    operations : sequence of Operation
+    states : sequence of (n, STATES) arrays
+        Where the motions of each begin.
+    transient, cycles : int
+        Mesh cycles before and in the records.
+    runner : Runner
+    label : str
+        Of the progress bar.
+
+    Returns
+    -------
+    list of dict
+        `sections`, `growth` and `divergence` along the records; `states` at their ends; `nearby`,
+        the growth between two nearby motions over `nearby_cycles` more.
+    """
+    most = max(STRETCH // len(states[0]), 1)
+    before = chunks(transient, most)
+    stretches = [*before, *chunks(cycles, most)]
+    ends = [{'states': each, 'vectors': first_variations(len(each))} for each in states]
+    done = []
+    with runner.progress((len(stretches) + 1) * len(operations), label):
+        for part in stretches:
+            arguments = [
+                {
+                    'operation': operation,
+                    'states': end['states'],
+                    'vectors': end['vectors'],
+                    'cycles': part.stop - part.start,
+                }
+                for operation, end in zip(operations, ends, strict=True)
+            ]
+            ends = runner.run(stretch_task, arguments)
+            done.append(ends)
+        arguments = [
+            {'operation': operation, 'states': end['states'], 'cycles': nearby_cycles(cycles)}
+            for operation, end in zip(operations, ends, strict=True)
+        ]
+        nearby = runner.run(nearby_task, arguments)
+    return [
+        _joined([stretch[i] for stretch in done[len(before) :]]) | nearby[i]
+        for i in range(len(operations))
+    ]
+
+
+def nearby_cycles(cycles: int) -> int:
+    """Return over how many cycles two nearby motions are compared, beside a record of `cycles`.
+
+    It is a check of the variations, which needs no more than 10 000.
+    """
+    return min(max(cycles // 5, 200), 10_000)
+
+
+def _joined(stretches: Sequence[Arrays]) -> Arrays:
+    along = ('sections', 'growth', 'divergence')
+    joined = {name: np.concatenate([each[name] for each in stretches], axis=1) for name in along}
+    return joined | {'states': stretches[-1]['states']}
