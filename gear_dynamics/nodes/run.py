@@ -121,17 +121,29 @@ class _Interrupted(BaseException):
 @contextlib.contextmanager
 def interruptible() -> Iterator[None]:
     """Let SIGINT and SIGTERM end the node at once: for compiling, while nothing is open."""
+    came = False
 
     def interrupt(number: int, frame: Any) -> None:
+        nonlocal came
+        came = True
         raise _Interrupted
 
     numbers = (signal.SIGINT, signal.SIGTERM)
     handlers = [signal.signal(number, interrupt) for number in numbers]
+    # The compiler calls back from C: what is raised there is only reported, and makes it fail.
+    report = sys.unraisablehook
+    sys.unraisablehook = lambda unraisable: None if came else report(unraisable)
     try:
         yield
+    except Exception:
+        if not came:
+            raise
     finally:
+        sys.unraisablehook = report
         for number, handler in zip(numbers, handlers, strict=True):
             signal.signal(number, handler)
+    if came:
+        raise _Interrupted
 
 
 def make_executor() -> Executor:
