@@ -9,6 +9,9 @@ OLDEST := .venv-oldest
 unexport PYTHONPATH PYTHONHOME AMENT_PREFIX_PATH RMW_IMPLEMENTATION LD_LIBRARY_PATH
 unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 
+# Many tests wait for a stream: two at a time fill two cores.
+PYTEST := -m pytest --numprocesses 2 --dist worksteal
+
 .PHONY: demo test test-oldest readme
 .DEFAULT_GOAL := demo
 
@@ -19,11 +22,11 @@ test: $(VENV)/test
 	@$(VENV)/bin/ruff check --quiet
 	@$(VENV)/bin/ruff format --quiet --check
 	@$(VENV)/bin/mypy
-	@$(VENV)/bin/python -m pytest --cov --cov-report=term:skip-covered
+	@$(VENV)/bin/python $(PYTEST) --cov --cov-report=term:skip-covered
 
 # What Ubuntu 24.04 ships, with the tests that need no ROS.
 test-oldest: $(OLDEST)/test
-	@$(OLDEST)/bin/python -m pytest --quiet
+	@$(OLDEST)/bin/python $(PYTEST) --quiet
 
 $(VENV)/ros: setup.py package.xml
 	@$(PYTHON) tools/environment.py $(VENV) -e '.[ros]'
@@ -35,7 +38,7 @@ $(VENV)/test: setup.py package.xml
 
 $(OLDEST)/test: setup.py package.xml
 	@$(PYTHON) tools/environment.py $(OLDEST) -e . 'numpy==1.26.*' 'scipy==1.11.*' \
-	  'numba==0.58.*' pytest pytest-timeout mcap-ros2-support
+	  'numba==0.58.*' pytest pytest-timeout pytest-xdist mcap-ros2-support
 	@touch $@
 
 # What README.md takes from the code.

@@ -57,6 +57,7 @@ setup(
             'pytest',
             'pytest-cov',
             'pytest-timeout',
+            'pytest-xdist',
             'ruff',
             'types-PyYAML',
             'types-tqdm',
