@@ -1,5 +1,12 @@
+import signal
+
 import pytest
 import ros_support
+
+
+def pytest_configure():
+    # A shell that runs in the background ignores SIGINT, and so would all that the tests start.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture
