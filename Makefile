@@ -38,7 +38,7 @@ $(VENV)/test: setup.py package.xml
 
 $(OLDEST)/test: setup.py package.xml
 	@$(PYTHON) tools/environment.py $(OLDEST) -e . 'numpy==1.26.*' 'scipy==1.11.*' \
-	  'numba==0.58.*' pytest pytest-timeout pytest-xdist mcap-ros2-support
+	  'numba==0.58.*' 'matplotlib==3.6.*' pytest pytest-timeout pytest-xdist mcap-ros2-support
 	@touch $@
 
 # What README.md takes from the code.

@@ -1,4 +1,5 @@
 import csv
+import importlib
 import math
 import re
 
@@ -10,6 +11,7 @@ from gear_dynamics import study
 from gear_dynamics.study.basin_map import attractors
 from gear_dynamics.study.command import main
 from gear_dynamics.study.exponents import exponents
+from gear_dynamics.study.figures.style import save_figure
 from gear_dynamics.study.frequency_response import jumps, rms_of_parts
 from gear_dynamics.study.friction_spectrum import QUANTITIES, RECORD, holds, quantity_rows
 from gear_dynamics.study.initial import states_at
@@ -259,9 +261,13 @@ SMALL = {
 
 
 @pytest.mark.parametrize('name', SMALL)
-def test_every_column_and_array_has_its_unit(tmp_path, name):
+def test_every_column_and_array_has_its_unit_and_the_figure_draws(tmp_path, name):
     operation = study.default_operation() if name in ('spectrum', 'response') else CHAOS
-    paths = write_outcome(getattr(study, name)(operation, **SMALL[name]), tmp_path)
+    outcome = getattr(study, name)(operation, **SMALL[name])
+    draw = importlib.import_module(f'gear_dynamics.study.figures.{name}').draw
+    save_figure(draw, outcome.arrays, tmp_path / f'{name}.png')
+    assert (tmp_path / f'{name}.png').read_bytes().startswith(b'\x89PNG')
+    paths = write_outcome(outcome, tmp_path)
     for path in paths:
         if path.suffix == '.csv':
             header = path.read_text().splitlines()[0].split(',')

@@ -7,7 +7,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from gear_dynamics.study.figures.style import COLOURS, FAINT, Arrays, new_figure
+from gear_dynamics.study.figures.style import COLOURS, FAINT, Arrays, legend_below, new_figure
 
 NAMED = len(COLOURS)
 """Attractors with a colour of their own; those that few states reach share one."""
@@ -31,5 +31,5 @@ def draw(arrays: Arrays) -> Figure:
     ]
     if len(shares) > NAMED:
         handles.append(Patch(color=FAINT, label=f'others: {shares[NAMED:].sum():.1%}'))
-    figure.legend(handles=handles, loc='outside lower center', ncols=3)
+    legend_below(axes, handles)
     return figure

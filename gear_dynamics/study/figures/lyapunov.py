@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from gear_dynamics.study.figures.style import COLOURS, Arrays, new_figure, zero_line
+from gear_dynamics.study.figures.style import COLOURS, Arrays, legend_below, new_figure, zero_line
 
 OTHERS = '#9aa7b2'
 
@@ -29,14 +29,9 @@ def draw(arrays: Arrays) -> Figure:
         column[1].set(xlabel='δ / b')
     grid[0, 0].set_ylabel('mean over the first cycles [1/τ]')
     grid[1, 0].set_ylabel("δ' / (b ωn)")
-    figure.legend(
-        handles=[
-            Line2D([], [], color=COLOURS[1], label='largest exponent'),
-            Line2D([], [], color=OTHERS, label='the others'),
-        ],
-        loc='outside lower center',
-        ncols=2,
-    )
+    largest = Line2D([], [], color=COLOURS[1], label='largest exponent')
+    others = Line2D([], [], color=OTHERS, label='the others')
+    legend_below(grid[0, len(frictions) // 2], [largest, others])
     return figure
 
 

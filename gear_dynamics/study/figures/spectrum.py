@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
-from gear_dynamics.study.figures.style import COLOURS, FAINT, INK, Arrays, new_figure
+from gear_dynamics.study.figures.style import COLOURS, FAINT, INK, Arrays, legend_below, new_figure
 from gear_dynamics.study.friction_spectrum import QUANTITIES
 
 CLAIMED = {
@@ -34,17 +34,12 @@ def draw(arrays: Arrays) -> Figure:
         left, right = parts[1].subplots(1, 2)
         _ratio(left, arrays, 'pinion_ay', 0, "RMS of the pinion's acceleration along y")
         _ratio(right, arrays, 'mesh_force', 1, 'first mesh harmonic of the mesh force')
-        for axes, name in zip(parts[2].subplots(1, 3, sharey=True), CLAIMED, strict=True):
+        claims = parts[2].subplots(1, 3, sharey=True)
+        for axes, name in zip(claims, CLAIMED, strict=True):
             _claim(axes, arrays, name)
-        parts[2].legend(
-            handles=[
-                Patch(color=COLOURS[0], label='holds'),
-                Patch(color=FAINT, label='does not'),
-                Line2D([], [], color=INK, marker='.', linestyle='none', label='no period'),
-            ],
-            loc='outside lower center',
-            ncols=3,
-        )
+        true, false = Patch(color=COLOURS[0], label='holds'), Patch(color=FAINT, label='does not')
+        irregular = Line2D([], [], color=INK, marker='.', linestyle='none', label='no period')
+        legend_below(claims[1], [true, false, irregular])
     return figure
 
 
