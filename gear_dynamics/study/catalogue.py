@@ -128,7 +128,7 @@ STUDIES = {
             'begin': Option(0.05, 'lowest mesh frequency over wn'),
             'end': Option(1.5, 'highest mesh frequency over wn'),
             'count': Option(300, _COUNT, 2),
-            'transient': Option(300, _TRANSIENT, 0),
+            'transient': Option(1000, _TRANSIENT, 0),
         },
     ),
 }

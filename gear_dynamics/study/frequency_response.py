@@ -27,7 +27,7 @@ PARTS = 20
 AT_ONCE = 60
 
 JUMP = 0.1
-"""Change of the RMS over b from one value to another that counts as a jump, if it is FAR standard
+"""Change of the RMS over b from one value to the next that counts as a jump, if it is FAR standard
 errors too."""
 
 FAR = 4.0
@@ -52,21 +52,36 @@ def response_task(operations: list[Operation], states: np.ndarray) -> Arrays:
     """Return RMS, extremes and kind of motions, by the names of UNITS.
 
     The RMS of a motion with a period is over as many whole periods as RECORD cycles hold, and has
-    no error; that of another is over PARTS records.
+    no error; that of another is over PARTS records. If it has a period after these, they were a
+    transient, and the motion is taken as it is then.
     """
     judged = judge(operations, states, JUDGED, k=1)
+    figures, ends = _figures(operations, judged)
+    irregular = np.flatnonzero(judged['period'] == 0).tolist()
+    if irregular:
+        later = judge([operations[i] for i in irregular], ends[irregular], JUDGED, k=1)
+        died = np.flatnonzero(later['period'] > 0)
+        which = [irregular[i] for i in died]
+        if which:
+            last = {name: values[died] for name, values in later.items()}
+            for name, values in _figures([operations[i] for i in which], last)[0].items():
+                figures[name][which] = values
+    return figures
+
+
+def _figures(operations: list[Operation], judged: Arrays) -> tuple[Arrays, np.ndarray]:
+    """Return the figures of motions from where they were judged, and the states at the end."""
     period = judged['period']
     whole = np.where(period > 0, RECORD // np.maximum(period, 1) * period, RECORD)
     moments, ends = _moments(operations, judged['states'], whole)
     parts = np.repeat(moments[:, np.newaxis], PARTS, axis=1)
-    others = np.flatnonzero(period == 0)
-    ends = ends[others]
-    for i in range(1, PARTS if others.size else 1):
-        rows = [operations[j] for j in others]
-        parts[others, i], ends = _moments(rows, ends, whole[others])
+    irregular = np.flatnonzero(period == 0).tolist()
+    rows = [operations[i] for i in irregular]
+    for part in range(1, PARTS if irregular else 1):
+        parts[irregular, part], ends[irregular] = _moments(rows, ends[irregular], whole[irregular])
     rms, error = rms_of_parts(parts[..., 0], parts[..., 1])
     force_rms, force_error = rms_of_parts(parts[..., 2], parts[..., 3])
-    return {
+    figures = {
         'rms': rms,
         'rms_error': error,
         'least': parts[..., 4].min(axis=1),
@@ -78,6 +93,7 @@ def response_task(operations: list[Operation], states: np.ndarray) -> Arrays:
         'exponent': judged['exponents'][:, 0],
         'exponent_error': judged['standard_errors'][:, 0],
     }
+    return figures, ends
 
 
 def _moments(
@@ -112,7 +128,7 @@ def response(
     begin: float = 0.05,
     end: float = 1.5,
     count: int = 300,
-    transient: int = 300,
+    transient: int = 1000,
     runner: Runner | None = None,
 ) -> Outcome:
     """Return the response to the mesh along w, each value continued from the last.
@@ -125,7 +141,7 @@ def response(
     count : int
         Values.
     transient : int
-        Mesh cycles before the record at each value.
+        Mesh cycles before the record at each value; chaos may be a transient of many hundreds.
     runner : Runner, optional
 
     Raises
@@ -152,43 +168,37 @@ def response(
 
 
 def jumps(
-    values: np.ndarray, rms: np.ndarray, error: np.ndarray
+    values: np.ndarray, rms: np.ndarray, error: np.ndarray, period: np.ndarray
 ) -> list[tuple[float, float, float]]:
     """Return where the RMS jumps along increasing values: the value and RMS before and after.
 
-    Over one step, or over two where a motion between them was seen on its way.
+    From or to a motion with a period: between two others chance alone makes differences.
     """
-    one = _far(rms, error, 1)
-    two = _far(rms, error, 2)
-    two[1:] &= ~two[:-1]
-    two &= ~(one[1:] | one[:-1])
-    pairs = [(i, i + 1) for i in np.flatnonzero(one)] + [(i, i + 2) for i in np.flatnonzero(two)]
+    far = np.abs(np.diff(rms)) > np.maximum(JUMP, FAR * np.hypot(error[1:], error[:-1]))
+    steps = far & ((period[1:] > 0) | (period[:-1] > 0))
     return [
-        (float((values[i] + values[j]) / 2), float(rms[i]), float(rms[j])) for i, j in sorted(pairs)
+        (float((values[i] + values[i + 1]) / 2), float(rms[i]), float(rms[i + 1]))
+        for i in np.flatnonzero(steps)
     ]
-
-
-def _far(rms: np.ndarray, error: np.ndarray, steps: int) -> np.ndarray:
-    """Return which values differ from those a number of steps further by what counts as a jump."""
-    apart = np.hypot(error[steps:], error[:-steps])
-    return np.abs(rms[steps:] - rms[:-steps]) > np.maximum(JUMP, FAR * apart)
 
 
 def _text(operation: Operation, arrays: dict[str, np.ndarray]) -> str:
     mu = operation.pair.friction_coefficient
     lines = [f'mu = {mu:g}, load torque {operation.load_torque:g} N m, RMS of delta over b']
     for i, direction in enumerate(('up', 'down')):
-        rms, error, kinds = arrays['rms'][i], arrays['rms_error'][i], arrays['kind'][i]
+        rms, error, period = (arrays[name][i] for name in ('rms', 'rms_error', 'period'))
         top = int(rms.argmax())
-        spread = f' +- {error[top]:.4f}' if arrays['period'][i, top] == 0 else ''
+        spread = f' +- {error[top]:.4f}' if period[top] == 0 else ''
         lines.append(
             f'swept {direction}: greatest RMS {rms[top]:.4f}{spread} at w = {arrays["w"][top]:.3f} '
             f'({arrays["speed"][top] * 30 / math.pi:.0f} rpm)'
         )
-        found = [f'{w:.3f} ({a:.3f} to {b:.3f})' for w, a, b in jumps(arrays['w'], rms, error)]
+        found = [
+            f'{w:.3f} ({a:.3f} to {b:.3f})' for w, a, b in jumps(arrays['w'], rms, error, period)
+        ]
         lines.append(f'  jumps at w = {", ".join(found)}' if found else '  no jump')
-        lines.append(f'  {kind_shares(kinds)}')
-        irregular = arrays['w'][arrays['period'][i] == 0]
+        lines.append(f'  {kind_shares(arrays["kind"][i])}')
+        irregular = arrays['w'][period == 0]
         if irregular.size:
             lines.append(
                 f'  first without a period up to {LONGEST_PERIOD} at w = {irregular[0]:.3f}'

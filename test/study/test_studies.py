@@ -153,16 +153,12 @@ def test_map_has_claims_and_periods():
 
 def test_response_jumps_where_attractors_end():
     values, rms = np.arange(6.0), np.array([0.1, 0.11, 0.3, 0.31, 0.6, 0.8])
-    # The last two are chaotic; their difference is within what chance makes of it.
+    # The last two are chaotic: chance makes their difference.
     error = np.array([0, 0, 0, 0, 0.03, 0.06])
-    assert jumps(values, rms, error) == [(1.5, 0.11, 0.3), (3.5, 0.31, 0.6)]
-
-
-def test_response_jumps_past_a_motion_that_was_on_its_way():
-    """Half of its record on either side: an RMS between, with an error as large as the step."""
-    values, rms = np.arange(5.0), np.array([0.1, 0.11, 0.2, 0.3, 0.31])
-    error = np.array([0, 0, 0.05, 0, 0])
-    assert jumps(values, rms, error) == [(2.0, 0.11, 0.3)]
+    period = np.array([1, 1, 1, 2, 0, 0])
+    assert jumps(values, rms, error, period) == [(1.5, 0.11, 0.3), (3.5, 0.31, 0.6)]
+    # So are two that differ by more, if neither has a period.
+    assert len(jumps(values, rms, 0 * error, period)) == 2
 
 
 def test_response_of_the_linear_oscillator_has_the_closed_form_rms():
