@@ -53,7 +53,9 @@ def test_a_stopped_study_goes_on_and_loses_nothing(whole, tmp_path):
             errors = process.communicate()[1]
         assert process.returncode == code, errors
         if code == 130:
-            assert errors == 'study: stopped; the same command goes on from what is finished\n'
+            assert last_line(errors) == (
+                'study: stopped; the same command goes on from what is finished'
+            )
     kept = finished(tmp_path)
     assert 9 <= kept < ROWS
     with start(tmp_path) as process:
