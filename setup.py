@@ -52,6 +52,7 @@ setup(
         'cluster': ['dask[distributed]'],
         'test': [
             'colcon-common-extensions',
+            'dask[distributed]',
             'mcap-ros2-support',
             'mypy',
             'pytest',

@@ -1,5 +1,6 @@
 """The `study` command: stopped and given again, on a full disk, and with wrong input."""
 
+import os
 import re
 import resource
 import signal
@@ -14,8 +15,9 @@ from gear_dynamics import study
 from gear_dynamics.study.command import main
 from gear_dynamics.study.warm_up import warm_up
 
-ROWS = 40
-COMMAND = ['basins', '--size', str(ROWS), '--transient', '300', '--quiet']
+ROWS = 24
+COMMAND = ['basins', '--size', str(ROWS), '--transient', '150', '--quiet']
+STOPPED = 'study: stopped; the same command goes on from what is finished'
 
 
 def start(output, **how):
@@ -38,7 +40,7 @@ def finished(output):
 def whole():
     """Give the result of the study without any stop; all is compiled before."""
     warm_up()
-    return study.basins(study.friction_chaos(), size=ROWS, transient=300)
+    return study.basins(study.friction_chaos(), size=ROWS, transient=150)
 
 
 def test_a_stopped_study_goes_on_and_loses_nothing(whole, tmp_path):
@@ -53,9 +55,7 @@ def test_a_stopped_study_goes_on_and_loses_nothing(whole, tmp_path):
             errors = process.communicate()[1]
         assert process.returncode == code, errors
         if code == 130:
-            assert last_line(errors) == (
-                'study: stopped; the same command goes on from what is finished'
-            )
+            assert last_line(errors) == STOPPED
     kept = finished(tmp_path)
     assert 9 <= kept < ROWS
     with start(tmp_path) as process:
@@ -85,6 +85,17 @@ def test_a_full_disk_leaves_no_half_of_a_result_and_loses_nothing(whole, tmp_pat
         output = process.communicate()[0]
     assert process.returncode == 0
     assert f'\n{ROWS} of {ROWS} tasks had been finished before.\n' in output
+
+
+def test_first_compilation_is_announced_and_ends_at_a_signal(tmp_path):
+    environment = {**os.environ, 'NUMBA_CACHE_DIR': str(tmp_path / 'cache')}
+    with start(tmp_path, env=environment) as process:
+        line = process.stderr.readline()
+        process.send_signal(signal.SIGTERM)
+        errors = process.communicate()[1]
+    assert line.startswith('study: compiling the model for this machine; only a first start')
+    assert process.returncode == 130
+    assert last_line(errors) == STOPPED
 
 
 def test_a_result_that_exists_is_not_overwritten(tmp_path, capsys):

@@ -1,0 +1,21 @@
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_search_for_a_completion_runs(tmp_path):
+    done = subprocess.run(
+        [sys.executable, ROOT / 'examples' / 'search_completion.py', '--draws', '3'],
+        cwd=tmp_path,
+        env={'PYTHONPATH': str(ROOT)},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    assert ' of 3 draws show chaotic, chaotic, period-4; ' in done.stdout
+    # The preset comes last, and shows the sequence that it was searched for.
+    assert done.stdout.count('3 x chaotic') >= 2
+    assert '3 x period-4' in done.stdout
+    assert not list(tmp_path.iterdir())
