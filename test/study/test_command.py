@@ -16,7 +16,7 @@ from gear_dynamics.study.command import main
 from gear_dynamics.study.warm_up import warm_up
 
 ROWS = 24
-COMMAND = ['basins', '--size', str(ROWS), '--transient', '150', '--quiet']
+COMMAND = ['basins', '--size', str(ROWS), '--transient', '400', '--quiet']
 STOPPED = 'study: stopped; the same command goes on from what is finished'
 
 
@@ -40,7 +40,7 @@ def finished(output):
 def whole():
     """Give the result of the study without any stop; all is compiled before."""
     warm_up()
-    return study.basins(study.friction_chaos(), size=ROWS, transient=150)
+    return study.basins(study.friction_chaos(), size=ROWS, transient=400)
 
 
 def test_a_stopped_study_goes_on_and_loses_nothing(whole, tmp_path):
