@@ -7,8 +7,7 @@ from collections.abc import Iterator
 
 from rclpy.node import Node
 
-from gear_dynamics.compiling import announced
-from gear_dynamics.nodes.run import interruptible
+from gear_dynamics.compiling import announced, interruptible
 
 
 @contextlib.contextmanager

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
 import itertools
 import re
 import signal
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
@@ -19,6 +18,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
+from gear_dynamics.compiling import Interrupted
 from gear_dynamics.model.parameter import ParameterError, ParameterSet
 from gear_dynamics.nodes.middleware import use_profile
 from gear_dynamics.nodes.parameters import NodeParameters, help_text
@@ -114,38 +114,6 @@ class StopFlag:
         self._set = True
 
 
-class _Interrupted(BaseException):
-    """A signal came while nothing was open yet."""
-
-
-@contextlib.contextmanager
-def interruptible() -> Iterator[None]:
-    """Let SIGINT and SIGTERM end the node at once: for compiling, while nothing is open."""
-    came = False
-
-    def interrupt(number: int, frame: Any) -> None:
-        nonlocal came
-        came = True
-        raise _Interrupted
-
-    numbers = (signal.SIGINT, signal.SIGTERM)
-    handlers = [signal.signal(number, interrupt) for number in numbers]
-    # The compiler calls back from C: what is raised there is only reported, and makes it fail.
-    report = sys.unraisablehook
-    sys.unraisablehook = lambda unraisable: None if came else report(unraisable)
-    try:
-        yield
-    except Exception:
-        if not came:
-            raise
-    finally:
-        sys.unraisablehook = report
-        for number, handler in zip(numbers, handlers, strict=True):
-            signal.signal(number, handler)
-    if came:
-        raise _Interrupted
-
-
 def make_executor() -> Executor:
     """Return the events executor, which takes half the CPU, or the plain one if it is missing."""
     try:
@@ -202,7 +170,7 @@ def _run(
         return _fail(name, error, USAGE_ERROR)
     except NodeError as error:
         return _fail(name, error, 1)
-    except _Interrupted:
+    except Interrupted:
         return 0
     try:
         _spin(node, part, stop)

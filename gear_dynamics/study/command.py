@@ -29,13 +29,14 @@ STOPPED = 130
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a study and return the exit code: 0, or 2 with one line that says what is wrong."""
     arguments = _parser().parse_args(argv)
+    from gear_dynamics.compiling import Interrupted
     from gear_dynamics.model.simulator import IntegrationError
     from gear_dynamics.study.cluster import ClusterError
 
     try:
         with _sigterm_as_sigint():
             _run(arguments)
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, Interrupted):
         print('study: stopped; the same command goes on from what is finished', file=sys.stderr)
         return STOPPED
     except BrokenPipeError:
@@ -133,10 +134,13 @@ def _refuse_existing(arguments: argparse.Namespace) -> None:
 
 def _compile() -> None:
     # Where the help is asked for or an option is wrong, nothing must be loaded.
-    from gear_dynamics.compiling import announced
+    from gear_dynamics.compiling import announced, interruptible
     from gear_dynamics.study.warm_up import warm_up
 
-    with announced('the model', lambda line: print(f'study: {line}', file=sys.stderr, flush=True)):
+    def say(line: str) -> None:
+        print(f'study: {line}', file=sys.stderr, flush=True)
+
+    with announced('the model', say), interruptible():
         warm_up()
 
 

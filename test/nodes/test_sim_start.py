@@ -1,10 +1,5 @@
 """Wrong input at the start: one line and exit code 2."""
 
-import ctypes
-import os
-import signal
-import time
-
 import pytest
 import ros_support
 
@@ -67,25 +62,6 @@ def test_first_compilation_is_announced_and_ends_at_a_signal(domain, tmp_path, m
         sim.wait_for('compiling the model', 60)
         assert sim.stop(timeout=5) == 0
         assert 'Traceback' not in sim.output
-
-
-def test_a_signal_within_a_callback_of_the_compiler_ends_it_too(capfd):
-    run = pytest.importorskip('gear_dynamics.nodes.run', reason='rclpy is not installed')
-
-    @ctypes.CFUNCTYPE(None)
-    def callback():
-        os.kill(os.getpid(), signal.SIGTERM)
-        time.sleep(0.1)
-
-    def compiler():
-        callback()
-        raise RuntimeError('no compiled object yet')
-
-    with pytest.raises(run._Interrupted), run.interruptible():
-        compiler()
-    with pytest.raises(run._Interrupted), run.interruptible():
-        callback()
-    assert capfd.readouterr().err == ''
 
 
 def test_a_parameter_file_sets_the_rig(domain, client, tmp_path):
