@@ -224,7 +224,7 @@ def rate(seconds: float) -> None:
         with sim('', parameters), listener('samples', duration) as ears:
             return tell(f'{candidate} samples/s', duration, report(ears), 1)
 
-    candidates = [round(RATE * 2 ** (quarter / 4)) for quarter in range(8, 33)]
+    candidates = [100 * round(RATE * 2 ** (quarter / 4) / 100) for quarter in range(8, 33)]
     for anti_alias in ('true', 'false'):
         found = highest(candidates, functools.partial(held, anti_alias), seconds)
         print(f'highest rate, anti_alias {anti_alias}: {found} samples/s for {seconds:g} s')

@@ -120,7 +120,7 @@ def _smooth(residuals, jumps, rate, high, first):
             step = (1 - part) * residuals[VALUE, k] + part * residuals[VALUE, k + 1]
             kink = (1 - part) * residuals[SLOPE, k] + part * residuals[SLOPE, k + 1]
             bend = (1 - part) * residuals[CURVATURE, k] + part * residuals[CURVATURE, k + 1]
-            if sample >= instant:
+            if sample >= jumps[i, SLOPE, T]:
                 step, bend = -step, -bend
             kink, bend = kink / rate, bend / rate**2
             for j in range(AX1, SPEED + 1):

@@ -31,7 +31,7 @@ CONSTANTS = np.dtype(
             # rigid bodies, supports
             'm1 m2 inertia1 inertia2 c1 c2 k1 k2 me rb1 rb2 ratio inertia_t '
             # one tooth pair, mesh
-            'k c b mu e_a phi0 z1 z2 pitch approach eps arm1 arm_sum '
+            'k c b mu e_a phi0 z1 z2 pitch arm1 arm_sum '
             # drive
             'kd cd ki '
             # ready for the equations: 1 / m, c / m, k / m and the like
@@ -97,8 +97,6 @@ def pack(pair: GearPair, rtol: float, atol: float, drive: bool = True) -> np.nda
         'z1': pair.pinion_teeth,
         'z2': pair.gear_teeth,
         'pitch': derived.base_pitch,
-        'approach': derived.approach_length,
-        'eps': derived.contact_ratio,
         'arm1': derived.pinion_pitch_radius * math.sin(angle) - derived.approach_length,
         'arm_sum': (derived.pinion_base_radius + derived.gear_base_radius) * math.tan(angle),
         'kd': kd,

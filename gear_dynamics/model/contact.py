@@ -18,8 +18,8 @@ PARTS = 2 * LANES
 """Parts in which a step is looked at."""
 
 MOST_RADIANS = 16.0
-"""Longest step, in radians of the fastest mode: a part then spans one radian at most, which has
-room for one extremum."""
+"""Longest step, in radians of the fastest mode: a part then spans one radian at most, in which a
+motion of that mode alone has room for one extremum."""
 
 _NEAR = 8 * np.finfo(np.float64).eps
 _STILL = 1e-10
@@ -159,7 +159,7 @@ def first_change(g, row, h, state, b, parts):
         ga, sa, ta = gb, sb, tb
         gb, sb, tb = parts[0, j], parts[1, j], h * ((j + 1) / PARTS)
         # A pair on a flank leaves it towards the gap; in the gap it may reach either flank.
-        leaves = falls = math.inf
+        leaves = rises = falls = math.inf
         if state != GAP:
             if not _stays(state * b, 1.0 * state, near, tb - ta, ga, sa, gb, sb):
                 leaves = _exit(g, row, state * b, 1.0 * state, near, ta, ga, sa, tb, gb, sb)
@@ -167,9 +167,9 @@ def first_change(g, row, h, state, b, parts):
                 return leaves, GAP
             continue
         if not _stays(b, -1.0, near, tb - ta, ga, sa, gb, sb):
-            leaves = _exit(g, row, b, -1.0, near, ta, ga, sa, tb, gb, sb)
+            rises = _exit(g, row, b, -1.0, near, ta, ga, sa, tb, gb, sb)
         if not _stays(-b, 1.0, near, tb - ta, ga, sa, gb, sb):
             falls = _exit(g, row, -b, 1.0, near, ta, ga, sa, tb, gb, sb)
-        if leaves < math.inf or falls < math.inf:
-            return (leaves, DRIVE) if leaves <= falls else (falls, BACK)
+        if rises < math.inf or falls < math.inf:
+            return (rises, DRIVE) if rises <= falls else (falls, BACK)
     return math.inf, state

@@ -31,7 +31,8 @@ from gear_dynamics.model.series import polynomial, value_and_slope
 VALUE, SLOPE, CURVATURE = range(3)
 ROWS_OF_JUMP = 3
 """Rows of a jump: of the columns of a sample, of their slopes [1/s] and curvatures [1/s2]. Column T
-of the first holds its instant, in samples of the integrator since the start of the run."""
+of the first holds its instant, in samples of the integrator since the start of the run, and of the
+second the first sample after it: rounding could put a sample at the instant to either side."""
 
 
 @kernel
@@ -76,6 +77,19 @@ def _fill_column(jump, column, value, slope, curvature, inverse_mass, damping, s
 
 
 @kernel
+def _slopes_of_jump(motion, row, k_before, c_before):
+    """Return the jumps of a force's first and second derivative, of healthy pairs."""
+    clock, series = motion.clock, motion.series
+    k, c = motion.segment[row, 0], motion.segment[row + 1, 0]
+    slope, curvature, third = series[1, DELTA], 2 * series[2, DELTA], 6 * series[3, DELTA]
+    before_2, before_3 = clock.before_curvature, clock.before_third
+    return (
+        k * slope + c * curvature - k_before * slope - c_before * before_2,
+        k * curvature + c * third - k_before * before_2 - c_before * before_3,
+    )
+
+
+@kernel
 def note_jump(motion, jumps):
     """Write the jump between `note_before` and the beginning of the present step to `jumps`."""
     p, clock = motion.constants, motion.clock
@@ -89,27 +103,18 @@ def note_jump(motion, jumps):
     torque2 = p.arm_sum * friction - torque1
     a_psi = p.psi_1 * torque1 + p.psi_2 * torque2 - force * p.inv_me
     a_q = (torque1 - p.ratio * torque2) * p.inv_it if p.drive else 0.0
+    force_1, force_2 = _slopes_of_jump(
+        motion, SEG_FORCE, clock.before_force_k, clock.before_force_c
+    )
+    friction_1, friction_2 = _slopes_of_jump(
+        motion, SEG_FRICTION, clock.before_friction_k, clock.before_friction_c
+    )
     third, before_2, before_3 = 6 * series[3, DELTA], clock.before_curvature, clock.before_third
-    k, c, k_before, c_before = (
-        segment[SEG_FORCE, 0],
-        segment[SEG_FORCE + 1, 0],
-        clock.before_force_k,
-        clock.before_force_c,
-    )
-    force_1 = k * slope + c * curvature - k_before * slope - c_before * before_2
-    force_2 = k * curvature + c * third - k_before * before_2 - c_before * before_3
-    k, c, k_before, c_before = (
-        segment[SEG_FRICTION, 0],
-        segment[SEG_FRICTION + 1, 0],
-        clock.before_friction_k,
-        clock.before_friction_c,
-    )
-    friction_1 = k * slope + c * curvature - k_before * slope - c_before * before_2
-    friction_2 = k * curvature + c * third - k_before * before_2 - c_before * before_3
 
     jump = jumps[clock.jumps]
     jump[:] = 0.0
     jump[VALUE, T] = clock.origin + clock.begin * clock.sample_rate
+    jump[SLOPE, T] = clock.sample
     _fill_column(jump, FORCE, force, force_1, force_2, 1.0, 0.0, 0.0)
     _fill_column(jump, FRICTION, friction, friction_1, friction_2, 1.0, 0.0, 0.0)
     _fill_column(jump, AX1, friction, friction_1, friction_2, p.inv_m1, p.c1_m, p.k1_m)

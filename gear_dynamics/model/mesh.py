@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.parameter import ParameterError
 
 ZONES = np.dtype(
     [
@@ -48,6 +49,29 @@ as polynomial coefficients in s, lowest first. Where stretches overlap, they add
 def healthy() -> np.ndarray:
     """Return the profile table of a pair without faults: no rows."""
     return np.zeros(0, PROFILES)
+
+
+def checked(profiles: np.ndarray) -> np.ndarray:
+    """Return a table of profiles.
+
+    Raises
+    ------
+    ParameterError
+        If it is none, or has a number that is not finite or a stretch that ends before it begins.
+    """
+    if not isinstance(profiles, np.ndarray) or profiles.dtype != PROFILES or profiles.ndim != 1:
+        kind = getattr(profiles, 'dtype', type(profiles).__name__)
+        raise ParameterError(f'profiles is of {kind}: it must be a table of mesh.PROFILES')
+    for row in profiles:
+        for name in ('begin', 'end', 'stiffness', 'damping', 'error'):
+            if not np.isfinite(row[name]).all():
+                raise ParameterError(f'{name} of a profile is {row[name]}: it must be finite')
+        if row['end'] <= row['begin']:
+            raise ParameterError(
+                f'a profile ends at s = {row["end"]:g} m: it must end after its begin, '
+                f'{row["begin"]:g} m'
+            )
+    return profiles
 
 
 def zones(pair: GearPair, profiles: np.ndarray | None = None) -> np.ndarray:

@@ -63,10 +63,11 @@ def operate(segment, row, degree, t, delta, delta_dot):
 
 @kernel
 def _within_turn(angle):
-    """Return an angle in [0, 2 pi); it is at most a turn off."""
-    if angle < 0:
-        angle += TURN
-    return angle - TURN if angle >= TURN else angle
+    """Return an angle in [0, 2 pi)."""
+    if angle < 0 or angle >= TURN:
+        angle -= TURN * math.floor(angle / TURN)
+    # What is negative by next to nothing has become a whole turn.
+    return 0.0 if angle >= TURN else angle
 
 
 @kernel

@@ -74,7 +74,8 @@ class Simulator:
     Raises
     ------
     ParameterError
-        If `pair` is none, a name is unknown, or a value is out of its range.
+        If `pair` is none, a name is unknown, a value is out of its range, or `profiles` is no table
+        of profiles.
     """
 
     def __init__(
@@ -89,7 +90,8 @@ class Simulator:
         for name in values:
             refuse_unknown_name(name, [about.name for about in RunSettings.parameters()])
         self.settings = RunSettings(**values)
-        self._drive, self._profiles = drive, profiles
+        self._drive = drive
+        self._profiles = None if profiles is None else mesh.checked(profiles)
         self._limiter = BandLimiter(_CHUNK, self.sample_rate) if self.settings.anti_alias else None
         self._oversampling = OVERSAMPLING if self._limiter else 1
         self._jumps = np.zeros((_CHUNK if self._limiter else 0, ROWS_OF_JUMP, HIGH_RATE_COLUMNS))
@@ -207,12 +209,18 @@ class Simulator:
         ParameterError
             If a value is out of its range.
         """
-        given = {'speed': speed, 'load_torque': load_torque}
-        self._set({name: value for name, value in given.items() if value is not None})
-
-    def _set(self, values: dict[str, Any]) -> None:
-        self.settings = dataclasses.replace(self.settings, **values)
+        settings = self._with(speed=speed, load_torque=load_torque)
         self._interrupt()
+        self._go_by(settings)
+
+    def _with(self, **values: float | None) -> RunSettings:
+        """Return the settings with those values that are given."""
+        given: dict[str, Any] = {name: value for name, value in values.items() if value is not None}
+        return dataclasses.replace(self.settings, **given)
+
+    def _go_by(self, settings: RunSettings) -> None:
+        """Approach the settings' targets from the interrupted step on."""
+        self.settings = settings
         clock = self._motion.records[0]['clock']
         clock['speed_target'], clock['torque_target'] = (
             self.settings.speed,
@@ -247,13 +255,16 @@ class Simulator:
             If `pair` is no gear pair or changes a parameter that cannot change while running, or a
             value is out of its range.
         """
+        settings = self._with(
+            speed_rate_limit=speed_rate_limit, torque_rate_limit=torque_rate_limit
+        )
         if pair is not None:
             self._refuse_fixed(checked_pair(pair))
-            self._interrupt()
+        self._interrupt()
+        if pair is not None:
             self.pair = pair
             self._repack()
-        given = {'speed_rate_limit': speed_rate_limit, 'torque_rate_limit': torque_rate_limit}
-        self._set({name: value for name, value in given.items() if value is not None})
+        self._go_by(settings)
 
     def _refuse_fixed(self, pair: GearPair) -> None:
         for about in pair.parameters():
@@ -270,7 +281,9 @@ class Simulator:
         zones = mesh.zones(self.pair, self._profiles)
         self._motion = self._motion._replace(zones=zones)
         clock = self._motion.records[0]['clock']
-        clock['zone'] = np.searchsorted(zones['begin'], clock['phase'], side='right') - 1
+        # Where a cycle begins, rounding may leave the phase just below zero.
+        zone = np.searchsorted(zones['begin'], clock['phase'], side='right') - 1
+        clock['zone'] = max(zone, 0)
         clock['unsettled'] = 1
 
     def _reach_sample(self) -> None:

@@ -58,11 +58,10 @@ def time_of_phase(p, clock, phase):
     ahead = phase + (clock.cycle - clock.anchor_cycle) - clock.anchor_phase
     turn = 2 * math.pi / p.z1 * ahead
     root = clock.anchor_speed**2 + 2 * clock.accel * turn
-    if root < 0:
-        return math.inf
-    speed = clock.anchor_speed + math.sqrt(root)
-    if speed <= 0:
-        return math.inf
+    speed = clock.anchor_speed + math.sqrt(max(root, 0.0))
+    if root < 0 or speed <= 0:
+        # A pair that has come to a stop there, or just beyond, passes it as soon as it starts.
+        return clock.anchor if ahead <= 0 and clock.accel > 0 else math.inf
     return clock.anchor + 2 * turn / speed
 
 
@@ -304,10 +303,11 @@ def run(motion, zones, profiles, jumps):
     while True:
         if clock.length < 0:
             begin_step(motion, zones, profiles, entered)
-            if clock.tiny_steps >= MANY_TINY_STEPS:
-                return STUCK
-            if not math.isfinite(motion.series[2, DELTA] + clock.length):
-                return NOT_FINITE
+            stuck = clock.tiny_steps >= MANY_TINY_STEPS
+            if stuck or not math.isfinite(motion.series[2, DELTA] + clock.length):
+                # Nothing of this step counts, so that the next call ends here too.
+                clock.length = -1.0
+                return STUCK if stuck else NOT_FINITE
             if clock.jumped:
                 note_jump(motion, jumps)
         if time_of_sample(clock, clock.sample) < clock.begin + clock.length:

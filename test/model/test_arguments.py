@@ -5,6 +5,7 @@ import pytest
 
 from gear_dynamics.model.batch import simulate_batch
 from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.mesh import PROFILES
 from gear_dynamics.model.parameter import ParameterError
 from gear_dynamics.model.simulator import Simulator, simulate
 
@@ -92,3 +93,16 @@ def test_a_number_of_samples_is_whole(wrong):
     # The run has not moved.
     assert simulator.advance(np.int64(1))['t'] == 0.0
     assert len(simulator.advance(0)) == 0
+
+
+@pytest.mark.parametrize(
+    ('profiles', 'says'),
+    [
+        ([1], 'profiles is of list'),
+        (np.zeros(3), 'profiles is of float64'),
+        (np.zeros(1, PROFILES), 'ends at s = 0 m: it must end after its begin, 0 m'),
+    ],
+)
+def test_profiles_are_a_table_of_profiles(profiles, says):
+    with pytest.raises(ParameterError, match=says):
+        Simulator(GearPair(), profiles=profiles)

@@ -117,3 +117,16 @@ def test_folding_at_8000_rpm_is_kept_out(name):
     raw = np.linalg.norm(lines(1, False) - fine) / scale
     limited = np.linalg.norm(lines(1, True) - fine) / scale
     assert limited < raw / 25
+
+
+@pytest.mark.parametrize('samples_per_cycle', [64, 90, 125])
+def test_samples_at_the_instants_of_events_do_not_stand_out(samples_per_cycle):
+    # Every so many samples one falls on a mesh event, to either side of it by rounding.
+    pair = GearPair(friction_coefficient=0.03)
+    speed = 2 * np.pi * RATE / samples_per_cycle / pair.pinion_teeth
+    simulator = Simulator(pair, speed=speed)
+    simulator.advance(400 * samples_per_cycle)
+    force = simulator.advance(200 * samples_per_cycle)['mesh_force']
+    cycles = force.reshape(200, samples_per_cycle)
+    # A jump on the wrong side of its sample stands out by half a kilonewton.
+    assert np.max(np.abs(cycles - cycles.mean(axis=0))) < 1.0

@@ -191,3 +191,46 @@ def test_contact_that_a_new_backlash_ends_is_an_event():
     assert contacts['kind'][0] == EventKind.DRIVE_LOST
     assert contacts['t'][0] == pytest.approx(1000 / RATE, rel=1e-12)
     assert EventKind.DRIVE_REGAINED in contacts['kind']
+
+
+def test_changes_where_a_cycle_begins_leave_the_motion_as_it_is():
+    # At 1000 rpm every 1536th sample is the beginning of a cycle, but for rounding.
+    speed = 1000 * np.pi / 30
+    steady = Simulator(GearPair(), speed=speed, anti_alias=False)
+    changed = Simulator(GearPair(), speed=speed, anti_alias=False)
+    for _ in range(40):
+        expected = steady.advance(1536)
+        changed.change(pair=changed.pair)
+        got = changed.advance(1536)
+        # A sample at an event takes the value to either side of it.
+        far = np.abs(got['mesh_force'] - expected['mesh_force']) > 1e-3
+        assert far.sum() <= 4 * 17
+
+
+def test_a_refused_change_changes_nothing():
+    simulator = Simulator(GearPair(), anti_alias=False)
+    rougher = dataclasses.replace(simulator.pair, friction_coefficient=0.5)
+    with pytest.raises(ParameterError, match='speed_rate_limit is -1'):
+        simulator.change(pair=rougher, speed_rate_limit=-1.0)
+    assert simulator.pair.friction_coefficient == GearPair().friction_coefficient
+    samples = simulator.advance(512)
+    np.testing.assert_array_equal(samples, Simulator(GearPair(), anti_alias=False).advance(512))
+
+
+def test_pair_that_stops_just_where_a_cycle_begins_starts_again():
+    begin, teeth = 20.0, GearPair().pinion_teeth
+    # From 20 rad/s to rest within one turn of a tooth.
+    limit = begin**2 / (2 * 2 * np.pi / teeth)
+    simulator = Simulator(SMOOTH, speed=begin, speed_rate_limit=limit, anti_alias=False)
+    simulator.command(speed=0.0)
+    simulator.advance(round(2 * RATE * begin / limit))
+    simulator.take_events()
+    started = simulator.samples_done / RATE
+    simulator.change(speed_rate_limit=200.0)
+    simulator.command(speed=100.0)
+    simulator.advance(round(0.5 * RATE))
+    sections = simulator.take_events()
+    passed = sections['t'][sections['kind'] == EventKind.SECTION] - started
+    phases = 0.5 + np.arange(len(passed))
+    np.testing.assert_allclose(passed, np.sqrt(2 * phases * 2 * np.pi / teeth / 200), atol=1e-6)
+    assert len(passed) > 100

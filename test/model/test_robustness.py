@@ -96,6 +96,8 @@ def test_what_cannot_be_integrated_raises_one_clear_line():
     assert '\n' not in message
     assert 't = 0.00195' in message
     assert 'no longer finite' in message
+    with pytest.raises(IntegrationError):
+        simulator.advance(1)
 
 
 @pytest.mark.parametrize('pinion_mass', [1e-8, 1e-10])
@@ -144,3 +146,12 @@ def test_stopped_and_unloaded_pair_comes_to_rest_and_starts_again(anti_alias):
     simulator.advance(10240)
     force = 100.0 / simulator.pair.derived.gear_base_radius
     assert simulator.advance(10240)['mesh_force'].mean() == pytest.approx(force, rel=0.02)
+
+
+@pytest.mark.parametrize('drive_frequency', [0.1, 2.0])
+def test_angles_stay_within_a_turn_with_a_drive_that_yields(drive_frequency):
+    pair = GearPair(drive_frequency=drive_frequency, tooth_pair_stiffness=1e5)
+    samples = Simulator(pair, load_torque=1000.0, anti_alias=False).advance(51200)
+    for name in ('pinion_angle', 'gear_angle'):
+        assert samples[name].min() >= 0
+        assert samples[name].max() < 2 * np.pi
