@@ -56,8 +56,13 @@ def changed(**values):
         (changed(pinion_teeth=20, gear_teeth=75, module=0.003), 700, 400.0),
         (changed(pinion_teeth=59, gear_teeth=34), 1000, 150.0),
         (DEFAULT, 1000, -150.0),
+        (changed(half_backlash=3e-6), 5000, 100.0),
+        (changed(half_backlash=10e-6), 9500, 60.0),
     ],
-    ids=['constant', 'gap damping', 'mu 0', 'phase', '20/75', 'step-up', 'back flank'],
+    ids=[
+        'constant', 'gap damping', 'mu 0', 'phase', '20/75', 'step-up', 'back flank',
+        'b 3 um', 'b 10 um',
+    ],
 )  # fmt: skip
 def test_variant_equals_reference(pair, rpm, torque):
     assert_equal_to_reference(pair, rpm * RPM, torque)
