@@ -17,7 +17,7 @@ from gear_dynamics.model.layout import HIGH_RATE_COLUMNS
 from gear_dynamics.model.motion import Motion, at_rest, empty_records
 from gear_dynamics.model.parameter import ParameterError
 from gear_dynamics.model.run_settings import RunSettings
-from gear_dynamics.model.simulator import IntegrationError
+from gear_dynamics.model.simulator import IntegrationError, why_stopped
 
 
 class Batch(NamedTuple):
@@ -63,14 +63,18 @@ def _fill_all(records, zones, profiles, zone_counts, no_jumps, out, status):
                 break
 
 
-def refuse_failure(status: np.ndarray, speeds: np.ndarray) -> None:
-    """Raise IntegrationError if the integrator could not go on with one of the pairs."""
+def refuse_failure(status: np.ndarray, records: np.ndarray) -> None:
+    """Raise IntegrationError if the integrator could not go on with one of the pairs.
+
+    status, records : (n,) arrays of int64 and motion.MOTION
+    """
     failed = np.flatnonzero(status != stepper.DONE)
     if failed.size:
         i = int(failed[0])
+        clock, rtol = records[i]['clock'], float(records[i]['constants']['rtol'])
         raise IntegrationError(
-            f'the integrator stopped in row {i} of the batch, at speed {speeds[i]:g} rad/s: loosen '
-            'rtol or check the parameters'
+            f'row {i} of the batch, at speed {clock["speed"]:g} rad/s: '
+            f'{why_stopped(clock, int(status[i]), rtol)}'
         )
 
 
@@ -169,5 +173,5 @@ def simulate_batch(
     status = np.zeros(n, np.int64)
     no_jumps = np.zeros((0, ROWS_OF_JUMP, HIGH_RATE_COLUMNS))
     _fill_all(*batch.motion, batch.zone_counts, no_jumps, rows, status)
-    refuse_failure(status, speeds)
+    refuse_failure(status, batch.motion.records)
     return samples

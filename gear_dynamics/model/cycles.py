@@ -259,7 +259,7 @@ def run_cycles(
         rows,
         status,
     )
-    refuse_failure(status, speeds)
+    refuse_failure(status, motion.records)
     return result
 
 

@@ -98,5 +98,5 @@ def nearby_growth(
     place_all_contacts(records)
     growth, status = np.zeros((n, cycles)), np.zeros(2 * n, np.int64)
     _run_pairs(*motion, zone_counts, growth, status)
-    refuse_failure(status, np.full(2 * n, speed))
+    refuse_failure(status, records)
     return growth

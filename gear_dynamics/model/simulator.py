@@ -25,7 +25,22 @@ _CHUNK = 1024
 
 
 class IntegrationError(RuntimeError):
-    """The integrator cannot go on; the message says where and why."""
+    """The integrator cannot go on; the message says when and why."""
+
+
+def why_stopped(clock: np.void, status: int, rtol: float) -> str:
+    """Return when and why the integrator stopped with this status, and what may help.
+
+    clock : a record of motion.CLOCK
+    """
+    time = clock['origin'] / clock['sample_rate'] + clock['begin']
+    what = f'the integrator stopped at t = {time:.9g} s'
+    if status == stepper.STUCK:
+        return (
+            f'{what}: the step size fell through its floor; check the parameters, or try another '
+            f'rtol than {rtol:g}'
+        )
+    return f'{what}: the motion is no longer finite; check the parameters'
 
 
 @kernel
@@ -158,16 +173,7 @@ class Simulator:
         if status == stepper.EVENTS_FULL:
             self._hold_events()
         elif status != stepper.DONE:
-            time = clock['origin'] / clock['sample_rate'] + clock['begin']
-            what = (
-                'the step size fell through its floor'
-                if status == stepper.STUCK
-                else 'the motion is no longer finite'
-            )
-            raise IntegrationError(
-                f'the integrator stopped at t = {time:.9g} s: {what}; check the '
-                f'parameters, or try another rtol than {self.settings.rtol:g}'
-            )
+            raise IntegrationError(why_stopped(clock, status, self.settings.rtol))
 
     def _hold_events(self) -> None:
         clock = self._motion.records[0]['clock']

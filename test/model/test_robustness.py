@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from states import start_from
 
-from gear_dynamics.model.batch import simulate_batch
+from gear_dynamics.model.batch import gather, refuse_failure, simulate_batch
 from gear_dynamics.model.columns import SAMPLE_COLUMNS, EventKind
 from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.run_settings import RunSettings
 from gear_dynamics.model.simulator import IntegrationError, Simulator
-from gear_dynamics.model.stepper import MANY_TINY_STEPS
+from gear_dynamics.model.stepper import DONE, MANY_TINY_STEPS, NOT_FINITE
 
 RPM = np.pi / 30
 
@@ -95,9 +96,23 @@ def test_what_cannot_be_integrated_raises_one_clear_line():
     message = str(caught.value)
     assert '\n' not in message
     assert 't = 0.00195' in message
-    assert 'no longer finite' in message
+    # No tolerance helps here.
+    assert message.endswith('s: the motion is no longer finite; check the parameters')
     with pytest.raises(IntegrationError):
         simulator.advance(1)
+
+
+def test_batch_says_which_row_failed_and_when_and_why():
+    batch = gather([GearPair()] * 2, [RunSettings(rtol=1e-5)] * 2)
+    records = batch.motion.records
+    records['clock'][1]['origin'], records['clock'][1]['begin'] = 51200, 0.25
+    refuse_failure(np.array([DONE, DONE]), records)
+    with pytest.raises(IntegrationError) as caught:
+        refuse_failure(np.array([DONE, NOT_FINITE]), records)
+    assert str(caught.value) == (
+        'row 1 of the batch, at speed 104.72 rad/s: the integrator stopped at t = 1.25 s: the '
+        'motion is no longer finite; check the parameters'
+    )
 
 
 @pytest.mark.parametrize('pinion_mass', [1e-8, 1e-10])
@@ -115,8 +130,8 @@ def test_a_motion_too_fast_to_follow_ends_at_the_floor_of_the_step(pinion_mass):
     with pytest.raises(IntegrationError) as caught:
         simulate_batch([GearPair(), pair], speeds=[100.0, 50.0], duration=0.001)
     assert str(caught.value) == (
-        'the integrator stopped in row 1 of the batch, at speed 50 rad/s: loosen rtol or check the '
-        'parameters'
+        'row 1 of the batch, at speed 50 rad/s: the integrator stopped at t = 0 s: the step size '
+        'fell through its floor; check the parameters, or try another rtol than 1e-06'
     )
 
 
