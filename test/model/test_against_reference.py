@@ -23,6 +23,9 @@ STEPS_REMEMBERED = 10.0
 """Steps of which the errors add up: those within 1 / (zeta wn) = 1 ms, at most eight in 'no loss'.
 Contact losses only make the steps shorter, and their errors less."""
 
+TIMES_RTOL = 5.0
+"""Room over what is seen: the worst column's error is 1.1 rtol at 1e-6 and at 1e-8."""
+
 SECTION_PHASE = 0.25
 
 MOTIONS = {
@@ -81,6 +84,17 @@ def test_error_falls_with_the_tolerance_on_regular_motions(motion):
     # Where events set the steps, a looser tolerance changes no more than rounding.
     assert np.diff(worst).max() <= ACCURACY, worst
     assert worst[TOLERANCES.index(1e-10)] <= ACCURACY
+
+
+@pytest.mark.parametrize('motion', ['no loss'], indirect=True)
+@pytest.mark.parametrize('rtol', [1e-6, 1e-8])
+def test_rms_error_is_about_rtol_where_the_tolerance_sets_the_steps(motion, rtol):
+    pair, speed, torque, _, start, _, rows, away, _ = motion
+    model = simulator(pair, speed, torque, rtol)
+    start_from(model, start)
+    errors = (columns(model.advance(len(rows))) - rows)[away]
+    rms = np.sqrt(np.mean(rows[away] ** 2, axis=0))
+    assert np.all(np.sqrt(np.mean(errors**2, axis=0)) < TIMES_RTOL * rtol * rms)
 
 
 def test_motions_are_periodic_and_lose_contact_as_often_as_known(motion):
