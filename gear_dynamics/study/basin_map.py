@@ -7,15 +7,12 @@ import numpy as np
 from gear_dynamics.model.cycles import run_cycles
 from gear_dynamics.study.initial import states_at
 from gear_dynamics.study.judgement import judge
-from gear_dynamics.study.kind import LONGEST_PERIOD
+from gear_dynamics.study.kind import LONGEST_PERIOD, SAME
 from gear_dynamics.study.operation import Operation
 from gear_dynamics.study.outcome import Outcome
 from gear_dynamics.study.tasks import Arrays, Runner
 
 RECORD = 4 * LONGEST_PERIOD
-
-SAME = 0.01
-"""Distance over half the backlash within which two periodic motions are one attractor."""
 
 UNITS = {
     'delta': 'b',
@@ -73,7 +70,14 @@ def basins(
     transient : int
         Mesh cycles before the attractor is told.
     runner : Runner, optional
+
+    Raises
+    ------
+    ValueError
+        If the reach is not above 0.
     """
+    if not min(reach) > 0:
+        raise ValueError(f'reach is {reach[0]:g} {reach[1]:g}: both must be above 0')
     runner = runner or Runner()
     delta = np.linspace(-reach[0], reach[0], size)
     delta_dot = np.linspace(-reach[1], reach[1], size)

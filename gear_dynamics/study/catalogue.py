@@ -92,7 +92,7 @@ STUDIES = {
         'orbit diagrams and largest exponents along a parameter, swept up and down',
         'friction_chaos',
         {
-            'frictions': Option([0.0, 0.03], 'friction coefficients to compare'),
+            'frictions': Option([0.0, 0.03], 'friction coefficients to compare, if not swept'),
             'parameter': Option(
                 'w', 'what is swept: w, speed, load_torque or a parameter of the pair'
             ),
@@ -117,7 +117,7 @@ STUDIES = {
         'friction_chaos',
         {
             'size': Option(80, 'initial states along each side of the picture', 2),
-            'reach': Option((2.0, 1.0), 'greatest delta / b and delta_dot / (b wn)'),
+            'reach': Option((2.0, 1.0), 'greatest delta / b and delta_dot / (b wn), above 0'),
             'transient': Option(400, _TRANSIENT, 0),
         },
     ),

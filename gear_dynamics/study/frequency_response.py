@@ -182,6 +182,11 @@ def jumps(
     ]
 
 
+def contact_is_lost(least: np.ndarray, greatest: np.ndarray) -> np.ndarray:
+    """Return where motions between these values of delta / b do not stay on one flank."""
+    return (least < 1) & (greatest > -1)
+
+
 def _text(operation: Operation, arrays: dict[str, np.ndarray]) -> str:
     mu = operation.pair.friction_coefficient
     lines = [f'mu = {mu:g}, load torque {operation.load_torque:g} N m, RMS of delta over b']
@@ -203,7 +208,7 @@ def _text(operation: Operation, arrays: dict[str, np.ndarray]) -> str:
             lines.append(
                 f'  first without a period up to {LONGEST_PERIOD} at w = {irregular[0]:.3f}'
             )
-    lost = arrays['least'] < 1
+    lost = contact_is_lost(arrays['least'], arrays['greatest'])
     if lost.any():
         first = arrays['w'][lost.any(axis=0).argmax()]
         lines.append(f'contact is first lost at w = {first:.3f}')

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gear_dynamics.analysis.regime import CHAOTIC, ENOUGH, REGULAR, recurrence_period
+from gear_dynamics.analysis.regime import ENOUGH, REGULAR, recurrence_period
 from gear_dynamics.analysis.zero_one import zero_one_test
 
 LONGEST_PERIOD = 32
@@ -22,7 +22,10 @@ standard errors from zero too."""
 
 AGREE = 3.0
 
-CHAOS, TORUS, UNDECIDED = 'chaotic', 'quasi-periodic', 'undecided'
+SAME = 0.01
+"""Distance over half the backlash within which two periodic motions are one."""
+
+PERIOD, CHAOS, TORUS, UNDECIDED = 'period-', 'chaotic', 'quasi-periodic', 'undecided'
 
 
 class Kind(NamedTuple):
@@ -56,15 +59,23 @@ def kind_of(states: np.ndarray, exponent: float, standard_error: float) -> Kind:
     grows = exponent > max(GROWS, AGREE * standard_error)
     period, _ = recurrence_period(states[-4 * LONGEST_PERIOD :], RECURS, LONGEST_PERIOD)
     if period and not grows:
-        return Kind(f'period-{period}', period, math.nan)
+        return Kind(f'{PERIOD}{period}', period, math.nan)
     k = zero_one_test(states[:, 0]) if len(states) >= ENOUGH else math.nan
     if grows and not k < REGULAR:
         return Kind(CHAOS, 0, k)
     if k < REGULAR and abs(exponent) <= max(GROWS, AGREE * standard_error):
         return Kind(TORUS, 0, k)
-    if k > CHAOTIC and exponent > 0:
-        return Kind(CHAOS, 0, k)
     return Kind(UNDECIDED, 0, k)
+
+
+def same_orbit(first: np.ndarray, second: np.ndarray) -> bool:
+    """Return whether two periodic motions are one, wherever in its period each begins.
+
+    first, second : (period, 2) arrays
+        Points of the section, as in `kind_of`.
+    """
+    shifted = (np.roll(second, shift, axis=0) for shift in range(len(second)))
+    return any(float(np.abs(first - each).max()) <= SAME for each in shifted)
 
 
 def kind_shares(kinds: np.ndarray) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from gear_dynamics.study.chaos_onset import FINER, TRANSIENT, chaotic_ranges, onset_words, refine
 from gear_dynamics.study.exponents import exponent_columns
 from gear_dynamics.study.initial import scattered_states
-from gear_dynamics.study.kind import kind_shares
+from gear_dynamics.study.kind import PERIOD, SAME, UNDECIDED, kind_shares, same_orbit
 from gear_dynamics.study.operation import FREQUENCY_RATIO, Operation
 from gear_dynamics.study.outcome import Outcome
 from gear_dynamics.study.sweep import (
@@ -23,6 +24,8 @@ from gear_dynamics.study.sweep import (
     unit_of,
 )
 from gear_dynamics.study.tasks import Runner
+
+FRICTION = 'friction_coefficient'
 
 SHORTEST = 80
 """Cycles of a record from which exponents and a period up to 32 can be told."""
@@ -49,7 +52,8 @@ def bifurcation(
     ----------
     operation : Operation
     frictions : sequence of float
-        Friction coefficients to compare; if `parameter` is friction_coefficient, one row.
+        Friction coefficients to compare; if `parameter` is friction_coefficient, they are not
+        used, and the array `friction` is one NaN.
     parameter : str
         What is swept: w, speed, load_torque or a parameter of the pair.
     begin, end : float
@@ -71,10 +75,11 @@ def bifurcation(
     if cycles < SHORTEST:
         raise ValueError(f'{cycles} cycles are too few: give {SHORTEST} or more')
     runner = runner or Runner()
-    if parameter == 'friction_coefficient':
-        frictions = [operation.pair.friction_coefficient]
     values = np.linspace(begin, end, count)
-    rubbing = [operation.with_value('friction_coefficient', mu) for mu in frictions]
+    if parameter == FRICTION:
+        frictions, rubbing = [math.nan], [operation]
+    else:
+        rubbing = [operation.with_value(FRICTION, mu) for mu in frictions]
     chains = [
         chain_along(each, parameter, way) for each in rubbing for way in (values, values[::-1])
     ]
@@ -111,7 +116,13 @@ def _text(arrays: dict[str, np.ndarray]) -> str:
         'cycles at each'
     ]
     for i, mu in enumerate(arrays['friction']):
-        lines += ['', f'mu = {mu:g}: up and down differ at {np.mean(_differs(arrays, i)):.1%}']
+        kind, place = in_kind(arrays['kind'][i]), in_place(arrays['kind'][i], arrays['sections'][i])
+        named = '' if math.isnan(mu) else f'mu = {mu:g}: '
+        lines += [
+            '',
+            f'{named}up and down differ at {np.mean(kind | place):.1%}: in kind or period at '
+            f'{kind.mean():.1%}, in place alone at {np.mean(place & ~kind):.1%}',
+        ]
         for direction in (UP, DOWN):
             lines += _paragraph(arrays, i, direction)
     worst = np.abs(arrays['sum_error']).max()
@@ -137,11 +148,30 @@ def _paragraph(arrays: dict[str, np.ndarray], i: int, direction: int) -> list[st
     ]
 
 
-def _differs(arrays: dict[str, np.ndarray], i: int) -> np.ndarray:
-    """Return where the two directions end on different attractors, by the mean of delta / b."""
-    delta = arrays['sections'][i, ..., 0]
+def in_kind(kinds: np.ndarray) -> np.ndarray:
+    """Return where the motions of two sweeps, (2, values), are of different kinds or periods.
+
+    An undecided one has no kind that could differ.
+    """
+    return (kinds[UP] != kinds[DOWN]) & np.all(kinds != UNDECIDED, axis=0)
+
+
+def in_place(kinds: np.ndarray, sections: np.ndarray) -> np.ndarray:
+    """Return where the motions of two sweeps lie in different places.
+
+    Those of one period are compared by their points; others by the mean of delta / b, which must
+    differ by SAME and four of its standard errors, as if the points were independent.
+
+    kinds : (2, values) array; sections : (2, values, cycles, 2) array
+    """
+    delta = sections[..., 0]
     mean, spread = delta.mean(axis=-1), delta.std(axis=-1)
-    return np.abs(mean[UP] - mean[DOWN]) > 0.01 + 4 * spread.max(axis=0) / np.sqrt(delta.shape[-1])
+    far = np.abs(mean[UP] - mean[DOWN]) > SAME + 4 * spread.max(axis=0) / np.sqrt(delta.shape[-1])
+    for i, (one, other) in enumerate(kinds.T):
+        if one == other and one.startswith(PERIOD):
+            period = int(one.removeprefix(PERIOD))
+            far[i] = not same_orbit(sections[UP, i, -period:], sections[DOWN, i, -period:])
+    return far
 
 
 def _table(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -150,9 +180,10 @@ def _table(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         arrays['friction'], ['up', 'down'], arrays['values'], indexing='ij'
     )
     delta = arrays['sections'][..., 0]
-    columns = {
-        f'{arrays["parameter"]} [{unit_of(str(arrays["parameter"]))}]': value,
-        'friction_coefficient [1]': mu,
+    columns = {f'{arrays["parameter"]} [{unit_of(str(arrays["parameter"]))}]': value}
+    if arrays['parameter'] != FRICTION:
+        columns['friction_coefficient [1]'] = mu
+    columns |= {
         'swept [-]': direction,
         'kind [-]': arrays['kind'],
         'settled [1]': arrays['settled'].all(axis=-1).astype(int),

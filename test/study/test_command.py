@@ -112,6 +112,8 @@ def test_a_result_that_exists_is_not_overwritten(tmp_path, capsys):
     [
         ('basins --size 1', '--size is 1: it must be an integer, 2 or more'),
         ('basins --reach nan 1', '--reach is nan: it must be a finite number'),
+        ('basins --reach 0 0', 'reach is 0 0: both must be above 0'),
+        ('basins --reach 2 -1', 'reach is 2 -1: both must be above 0'),
         ('bifurcation --transient -1', '--transient is -1: it must be an integer, 0 or more'),
         ('bifurcation --begin 2 --end 1', '--begin 2 is not below --end 1: exchange them'),
         ('response --end inf', '--end is inf: it must be a finite number'),

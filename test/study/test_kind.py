@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from analysis.systems import logistic
 
-from gear_dynamics.study.kind import kind_of
+from gear_dynamics.study.kind import SAME, kind_of, same_orbit
 
 
 def pairs(series):
@@ -38,3 +38,17 @@ def test_short_record_without_period_is_undecided_unless_it_grows():
     states = pairs(logistic(200, 4.0))
     assert kind_of(states, 0.0005, 0.001).words == 'undecided'
     assert kind_of(states, 0.6, 0.05).words == 'chaotic'
+
+
+def test_growth_within_its_error_is_no_chaos_whatever_the_zero_one_test_says():
+    kind = kind_of(pairs(logistic(2000, 4.0)), 0.01, 0.01)
+    assert kind.zero_one > 0.9
+    assert kind.words == 'undecided'
+
+
+def test_orbits_are_one_wherever_they_begin():
+    """The period-3 orbit of the logistic map, and the same points in the other direction."""
+    orbit = pairs(logistic(20200, 3.83)[20000:])[:3]
+    assert same_orbit(orbit, orbit[[1, 2, 0]] + SAME / 2)
+    assert not same_orbit(orbit, orbit[[1, 0, 2]])
+    assert not same_orbit(orbit, orbit + 2 * SAME)

@@ -12,11 +12,12 @@ from gear_dynamics.study.basin_map import attractors
 from gear_dynamics.study.command import main
 from gear_dynamics.study.exponents import exponents
 from gear_dynamics.study.figures.style import save_figure
-from gear_dynamics.study.frequency_response import jumps, rms_of_parts
+from gear_dynamics.study.frequency_response import contact_is_lost, jumps, rms_of_parts
 from gear_dynamics.study.friction_spectrum import QUANTITIES, RECORD, holds, quantity_rows
 from gear_dynamics.study.initial import states_at
 from gear_dynamics.study.kind import Kind
 from gear_dynamics.study.lyapunov_table import Finding, support_exponents, unsettled_words
+from gear_dynamics.study.orbit_diagram import in_kind, in_place
 from gear_dynamics.study.outcome import write_outcome
 
 CHAOS = study.friction_chaos()
@@ -161,6 +162,20 @@ def test_response_jumps_where_attractors_end():
     assert len(jumps(values, rms, 0 * error, period)) == 2
 
 
+def test_contact_is_kept_on_either_flank_and_lost_between():
+    least = np.array([1.01, -1.05, 0.99, -1.2, -1.3])
+    greatest = np.array([1.2, -1.01, 1.2, -0.99, 1.3])
+    assert list(contact_is_lost(least, greatest)) == [False, False, True, True, True]
+
+
+def test_response_on_the_back_flank_loses_no_contact():
+    """A load of the other sign presses the back flanks together; below resonance they stay so."""
+    loaded = study.default_operation().with_value('load_torque', -500.0)
+    outcome = study.response(loaded, begin=0.05, end=0.06, count=2, transient=100)
+    assert outcome.arrays['greatest'].max() < -1
+    assert 'contact is first lost' not in outcome.text
+
+
 def test_response_of_the_linear_oscillator_has_the_closed_form_rms():
     """Fa W^2 / sqrt((1 - W^2)^2 + (2 zeta W)^2) over the square root of 2."""
     zeta, torque = 0.05, 500.0
@@ -272,6 +287,32 @@ def test_every_column_and_array_has_its_unit_and_the_figure_draws(tmp_path, name
         units = dict(stored['units'])
         assert set(units) == set(stored) - {'units'}
         assert all(units.values())
+
+
+def test_sweep_of_the_friction_coefficient_keeps_its_values():
+    outcome = study.bifurcation(
+        CHAOS, parameter='friction_coefficient', begin=0.04, end=0.06, count=3, transient=20
+    )
+    assert np.allclose(next(iter(outcome.table.values())), [0.04, 0.05, 0.06] * 2)
+    assert np.all(np.isnan(outcome.arrays['friction']))
+    assert 'mu =' not in outcome.text
+
+
+def test_sweeps_differ_in_kind_or_in_place():
+    """Five pairs: one orbit from two of its points, two orbits with the same mean, two periods,
+    chaos and a period, and nothing that could be said."""
+    kinds = np.array(
+        [
+            ['period-2', 'period-2', 'period-2', 'chaotic', 'chaotic'],
+            ['period-2', 'period-2', 'period-1', 'period-3', 'undecided'],
+        ]
+    )
+    sections = np.ones((2, 5, 6, 2))
+    sections[:, 0, :, 0] = [[0, 2] * 3, [2, 0] * 3]
+    sections[:, 1, :, 0] = [[0, 2] * 3, [0.5, 1.5] * 3]
+    kind, place = in_kind(kinds), in_place(kinds, sections)
+    assert list(kind) == [False, False, True, True, False]
+    assert list(place & ~kind) == [False, True, False, False, False]
 
 
 def test_swept_column_has_the_unit_of_its_parameter():
