@@ -13,9 +13,11 @@ from gear_dynamics.study.lyapunov_table import (
     UNITS,
     Finding,
     convergence_table,
+    differing_words,
     finding,
     finding_arrays,
     unsettled_words,
+    with_frictions,
 )
 from gear_dynamics.study.operation import Operation
 from gear_dynamics.study.outcome import Outcome
@@ -85,10 +87,10 @@ def attractor(
     Raises
     ------
     ParameterError
-        If a value is out of its range.
+        If a value is out of its range, or given twice.
     """
     runner = runner or Runner()
-    operations = [operation.with_value('friction_coefficient', mu) for mu in frictions]
+    operations = with_frictions(operation, frictions)
     begins = [scattered_states(each, 1) for each in operations]
     results = records(operations, begins, transient, cycles, runner, 'attractor')
     arguments = [
@@ -117,8 +119,10 @@ def _text(operation: Operation, findings: Sequence[Finding]) -> str:
             f'mu = {each.friction:g}: {each.kind.words}, by two nearby motions {each.nearby:+.4f} '
             f'+- {each.nearby_error:.4f} per tau, by variations'
         )
-        pairs = zip(each.exponents.values, each.exponents.standard_errors, strict=True)
+        values, errors = each.exponents.values, each.exponents.standard_errors
+        pairs = zip(values, errors, strict=True)
         lines.append('  ' + ', '.join(f'{value:+.4f} +- {error:.4f}' for value, error in pairs))
+        lines += differing_words(each.nearby, each.nearby_error, values[0], errors[0])
         lines += unsettled_words([each])
     worst = max(each.sum_error for each in findings)
     lines.append(f'The sum of the exponents differs from the mean divergence by {worst:.1e} of it')

@@ -16,8 +16,8 @@ CUTS = (0.0, 1 / 16, 1 / 8, 1 / 4, 1 / 2)
 AGREE = 3.0
 """Standard errors within which the halves of a settled record agree."""
 
-_FLOOR = 1e-6
-"""Difference per tau below which halves agree in any case."""
+FLOOR = 1e-6
+"""Difference per tau below which exponents agree in any case."""
 
 RECORD = 50
 """Points of the convergence record."""
@@ -131,4 +131,4 @@ def halves_agree(rates: np.ndarray) -> np.ndarray:
         return np.zeros(rates.shape[1], bool)
     early, late = rates[:middle], rates[middle:]
     error = np.hypot(standard_error(early), standard_error(late))
-    return np.abs(early.mean(axis=0) - late.mean(axis=0)) <= AGREE * error + _FLOOR
+    return np.abs(early.mean(axis=0) - late.mean(axis=0)) <= AGREE * error + FLOOR

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
+from gear_dynamics.model.parameter import ParameterError
 from gear_dynamics.study.exponents import (
+    AGREE,
+    FLOOR,
     Exponents,
     exponent_columns,
     exponents,
@@ -17,7 +21,7 @@ from gear_dynamics.study.exponents import (
 )
 from gear_dynamics.study.initial import scattered_states
 from gear_dynamics.study.kind import Kind, kind_of
-from gear_dynamics.study.operation import Operation
+from gear_dynamics.study.operation import Operation, friction_chaos
 from gear_dynamics.study.outcome import Outcome
 from gear_dynamics.study.records import records
 from gear_dynamics.study.tasks import Arrays, Runner
@@ -37,7 +41,11 @@ UNITS = {
 }
 
 SOURCE = {0.0: 0.1263, 0.03: 0.0732, 0.05: -0.0462}
-"""Largest exponents that the published study gives at w = 1.222, by friction coefficient."""
+"""Largest exponents that the published study gives at SOURCE_W, by friction coefficient."""
+
+SOURCE_W = 1.222
+
+FRICTION = 'friction_coefficient'
 
 
 class Finding(NamedTuple):
@@ -83,7 +91,7 @@ def lyapunov(
     ----------
     operation : Operation
     frictions : sequence of float
-        Friction coefficients.
+        Friction coefficients, each once.
     initial_states : int
         From how many states each is run: the static one and others drawn about the gap.
     transient, cycles : int
@@ -95,10 +103,10 @@ def lyapunov(
     Raises
     ------
     ParameterError
-        If a friction coefficient is out of its range.
+        If a friction coefficient is out of its range, or given twice.
     """
     runner = runner or Runner()
-    operations = [operation.with_value('friction_coefficient', mu) for mu in frictions]
+    operations = with_frictions(operation, frictions)
     states = [scattered_states(each, initial_states) for each in operations]
     results = records(operations, states, transient, cycles, runner, 'lyapunov')
     findings = [
@@ -115,6 +123,24 @@ def lyapunov(
         UNITS,
         {'_convergence': convergence_table(findings)},
     )
+
+
+def with_frictions(operation: Operation, frictions: Sequence[float]) -> list[Operation]:
+    """Return the operation with each friction coefficient.
+
+    Raises
+    ------
+    ParameterError
+        If one is out of its range, or given twice.
+    """
+    operations = [operation.with_value(FRICTION, mu) for mu in frictions]
+    values = [each.pair.friction_coefficient for each in operations]
+    for mu in values:
+        if values.count(mu) > 1:
+            raise ParameterError(
+                f'{FRICTION} {mu:g} is given {values.count(mu)} times: give it once'
+            )
+    return operations
 
 
 def finding(operation: Operation, result: Arrays, i: int) -> Finding:
@@ -146,23 +172,26 @@ def support_exponents(operation: Operation) -> tuple[float, float]:
     return -first / d.wn, -second / d.wn
 
 
-def _groups(findings: Sequence[Finding]) -> dict[float, list[Finding]]:
-    groups: dict[float, list[Finding]] = {}
-    for each in findings:
-        groups.setdefault(each.friction, []).append(each)
-    return groups
-
-
-def pooled(group: Sequence[Finding]) -> tuple[float, float]:
-    """Return mean and standard error of the largest exponent over initial states.
+def pooled(values: np.ndarray, errors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the mean over motions, (motions, ...), and its standard error.
 
     The error is the larger of that within the records and that between them.
     """
-    values = np.array([each.exponents.values[0] for each in group])
-    errors = np.array([each.exponents.standard_errors[0] for each in group])
-    within = math.sqrt(float((errors**2).sum())) / len(group)
-    between = values.std(ddof=1) / math.sqrt(len(group)) if len(group) > 1 else 0.0
-    return float(values.mean()), max(within, float(between))
+    count = len(values)
+    within = np.sqrt((errors**2).sum(axis=0)) / count
+    between = values.std(axis=0, ddof=1) / math.sqrt(count) if count > 1 else 0.0
+    return values.mean(axis=0), np.maximum(within, between)
+
+
+def differing_words(near: float, near_error: float, value: float, error: float) -> list[str]:
+    """Return a line if two nearby motions tell another largest exponent than variations."""
+    apart, combined = abs(near - value), math.hypot(near_error, error)
+    if apart <= AGREE * combined + FLOOR:
+        return []
+    return [
+        f'  the two differ by {apart:.2g}, more than {AGREE:g} of their standard errors '
+        f'({combined:.2g}): run more cycles'
+    ]
 
 
 def _text(operation: Operation, findings: Sequence[Finding]) -> str:
@@ -171,8 +200,15 @@ def _text(operation: Operation, findings: Sequence[Finding]) -> str:
         f'load torque {operation.load_torque:g} N m',
         '',
     ]
-    for mu, group in _groups(findings).items():
-        lines += _paragraph(mu, group)
+    published = SOURCE if is_published(operation) else {}
+    for mu in dict.fromkeys(each.friction for each in findings):
+        motions = [each for each in findings if each.friction == mu]
+        for words in dict.fromkeys(each.kind.words for each in motions):
+            group = [each for each in motions if each.kind.words == words]
+            lines.append(f'mu = {mu:g}: {len(group)} of {len(motions)} {words}')
+            lines += [*_paragraph(group), *unsettled_words(group), '']
+        if mu in published:
+            lines[-1:] = [f'  published for mu = {mu:g}: {published[mu]:+.4f}', '']
     first, second = support_exponents(operation)
     lines += [
         f'x1 and x2 feed nothing back: four exponents are exactly {first:.5f} and {second:.5f}, '
@@ -183,21 +219,36 @@ def _text(operation: Operation, findings: Sequence[Finding]) -> str:
     return '\n'.join(lines)
 
 
-def _paragraph(mu: float, group: Sequence[Finding]) -> list[str]:
-    words = [each.kind.words for each in group]
-    kinds = ', '.join(f'{words.count(word)} x {word}' for word in dict.fromkeys(words))
-    value, error = pooled(group)
-    near = np.mean([each.nearby for each in group])
-    near_error = math.hypot(*[each.nearby_error for each in group]) / len(group)
-    spectrum = np.mean([each.exponents.values for each in group], axis=0)
-    lines = [
-        f'mu = {mu:g}: {kinds}',
-        f'  largest exponent {value:+.4f} +- {error:.4f}'
-        + (f' (source: {SOURCE[mu]:+.4f})' if mu in SOURCE else ''),
+def _paragraph(group: Sequence[Finding]) -> list[str]:
+    """Return the exponents of motions of one kind."""
+    values, errors = pooled(
+        np.array([each.exponents.values for each in group]),
+        np.array([each.exponents.standard_errors for each in group]),
+    )
+    near, near_error = pooled(
+        np.array([each.nearby for each in group]), np.array([each.nearby_error for each in group])
+    )
+    pairs = zip(values, errors, strict=True)
+    return [
+        f'  largest exponent {values[0]:+.4f} +- {errors[0]:.4f}',
         f'  by two nearby motions {near:+.4f} +- {near_error:.4f}',
-        '  all: ' + ' '.join(f'{each:+.4f}' for each in spectrum),
+        *differing_words(float(near), float(near_error), values[0], errors[0]),
+        '  all: ' + ', '.join(f'{value:+.4f} +- {error:.4f}' for value, error in pairs),
     ]
-    return [*lines, *unsettled_words(group), '']
+
+
+def is_published(operation: Operation) -> bool:
+    """Return whether SOURCE is about this: the preset at w = 1.222, whatever the friction."""
+    try:
+        preset = friction_chaos()
+    except ParameterError:
+        return False
+    same = operation.with_value(FRICTION, preset.pair.friction_coefficient)
+    return (
+        dataclasses.astuple(same.pair) == dataclasses.astuple(preset.pair)
+        and same.load_torque == preset.load_torque
+        and abs(same.frequency_ratio - SOURCE_W) < 1e-6
+    )
 
 
 def unsettled_words(group: Sequence[Finding]) -> list[str]:

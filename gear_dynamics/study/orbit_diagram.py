@@ -11,6 +11,7 @@ from gear_dynamics.study.chaos_onset import FINER, TRANSIENT, chaotic_ranges, on
 from gear_dynamics.study.exponents import exponent_columns
 from gear_dynamics.study.initial import scattered_states
 from gear_dynamics.study.kind import PERIOD, SAME, UNDECIDED, kind_shares, same_orbit
+from gear_dynamics.study.lyapunov_table import FRICTION, with_frictions
 from gear_dynamics.study.operation import FREQUENCY_RATIO, Operation
 from gear_dynamics.study.outcome import Outcome
 from gear_dynamics.study.sweep import (
@@ -24,8 +25,6 @@ from gear_dynamics.study.sweep import (
     unit_of,
 )
 from gear_dynamics.study.tasks import Runner
-
-FRICTION = 'friction_coefficient'
 
 SHORTEST = 80
 """Cycles of a record from which exponents and a period up to 32 can be told."""
@@ -68,7 +67,8 @@ def bifurcation(
     Raises
     ------
     ParameterError
-        If the parameter cannot be varied or a value is out of its range.
+        If the parameter cannot be varied, a value is out of its range, or a friction coefficient is
+        given twice.
     ValueError
         If the record is too short.
     """
@@ -79,7 +79,7 @@ def bifurcation(
     if parameter == FRICTION:
         frictions, rubbing = [math.nan], [operation]
     else:
-        rubbing = [operation.with_value(FRICTION, mu) for mu in frictions]
+        rubbing = with_frictions(operation, frictions)
     chains = [
         chain_along(each, parameter, way) for each in rubbing for way in (values, values[::-1])
     ]

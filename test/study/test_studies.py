@@ -16,7 +16,14 @@ from gear_dynamics.study.frequency_response import contact_is_lost, jumps, rms_o
 from gear_dynamics.study.friction_spectrum import QUANTITIES, RECORD, holds, quantity_rows
 from gear_dynamics.study.initial import states_at
 from gear_dynamics.study.kind import Kind
-from gear_dynamics.study.lyapunov_table import Finding, support_exponents, unsettled_words
+from gear_dynamics.study.lyapunov_table import (
+    Finding,
+    differing_words,
+    is_published,
+    pooled,
+    support_exponents,
+    unsettled_words,
+)
 from gear_dynamics.study.orbit_diagram import in_kind, in_place
 from gear_dynamics.study.outcome import write_outcome
 
@@ -259,6 +266,46 @@ def test_record_that_is_not_settled_is_named():
     assert unsettled_words([one]) == [
         '  not settled: 1 of 1 records, in exponents 3: run more cycles'
     ]
+
+
+def test_motions_of_different_kinds_are_not_averaged():
+    """At w = 1 period-1 and period-3 live side by side: no motion has their mean exponent."""
+    outcome = study.lyapunov(CHAOS.with_value('w', 1.0), [0.0], transient=1000, cycles=400)
+    kinds, largest = outcome.arrays['kind'], outcome.arrays['exponents'][:, 0]
+    assert set(kinds) == {'period-1', 'period-3'}
+    for kind in ('period-1', 'period-3'):
+        own = largest[kinds == kind]
+        shown = re.search(
+            rf'mu = 0: {own.size} of 6 {kind}\n  largest exponent (\S+)', outcome.text
+        )
+        assert float(shown[1]) == pytest.approx(own.mean(), abs=5e-5)
+    assert 'published' not in outcome.text
+
+
+def test_pooled_error_is_the_larger_of_that_within_and_that_between():
+    """Four motions: equal ones have their error over 2, others that of the mean of four."""
+    errors = np.full(4, 0.02)
+    assert pooled(np.full(4, 0.1), errors) == pytest.approx((0.1, 0.01))
+    spread = np.array([-1.0, -1.0, 1.0, 1.0])
+    assert pooled(spread, errors) == pytest.approx((0.0, np.sqrt(4 / 3) / 2))
+
+
+def test_only_the_preset_at_its_speed_stands_beside_the_published_exponents():
+    assert is_published(CHAOS)
+    assert is_published(CHAOS.with_value('friction_coefficient', 0.0).with_value('w', 1.222))
+    assert not is_published(CHAOS.with_value('w', 1.223))
+    assert not is_published(CHAOS.with_value('load_torque', 2 * CHAOS.load_torque))
+    assert not is_published(CHAOS.with_value('mesh_damping_ratio', 0.09))
+    assert not is_published(study.default_operation())
+
+
+def test_exponents_that_differ_between_the_two_ways_are_told():
+    """Errors of 0.003 and 0.004 are 0.005 together; three times that is 0.015."""
+    assert differing_words(0.054, 0.003, 0.04, 0.004) == []
+    (line,) = differing_words(0.024, 0.003, 0.04, 0.004)
+    assert line == (
+        '  the two differ by 0.016, more than 3 of their standard errors (0.005): run more cycles'
+    )
 
 
 SMALL = {
