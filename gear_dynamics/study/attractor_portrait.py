@@ -12,7 +12,7 @@ from gear_dynamics.study.initial import scattered_states
 from gear_dynamics.study.lyapunov_table import (
     UNITS,
     Finding,
-    convergence_table,
+    convergence_of,
     differing_words,
     finding,
     finding_arrays,
@@ -108,7 +108,7 @@ def attractor(
         _table(arrays),
         arrays,
         UNITS | SAMPLED_UNITS,
-        {'_convergence': convergence_table(findings)},
+        {'_convergence': convergence_of(findings)},
     )
 
 

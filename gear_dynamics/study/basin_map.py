@@ -5,6 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from gear_dynamics.model.cycles import run_cycles
+from gear_dynamics.study.exponents import (
+    EXPONENT_UNITS,
+    convergence_table,
+    exponent_columns,
+    verdict,
+)
 from gear_dynamics.study.initial import states_at
 from gear_dynamics.study.judgement import judge
 from gear_dynamics.study.kind import LONGEST_PERIOD, SAME
@@ -20,19 +26,18 @@ UNITS = {
     'label': '1',
     'names': '-',
     'share': '1',
-    'exponent': '1/tau',
-    'exponent_error': '1/tau',
+    **EXPONENT_UNITS,
 }
 
 
 def basins_task(
     operation: Operation, delta: np.ndarray, delta_dot: float, transient: int
 ) -> Arrays:
-    """Return kind, largest exponent and mean section point of the motions from a row of states."""
+    """Return kind, mean section point and all exponents of the motions from a row of states."""
     states = states_at(operation, delta, np.full(len(delta), delta_dot))
     pairs = [operation.pair] * len(delta)
     run = run_cycles(pairs, operation.speed, operation.load_torque, transient, states=states)
-    judged = judge([operation] * len(delta), run.states, RECORD, k=1)
+    judged = judge([operation] * len(delta), run.states, RECORD)
     means = [
         each[: period or None].mean(axis=0)
         for each, period in zip(judged['sections'], judged['period'], strict=True)
@@ -40,8 +45,7 @@ def basins_task(
     return {
         'kind': judged['kind'],
         'mean': np.array(means),
-        'exponent': judged['exponents'][:, 0],
-        'exponent_error': judged['standard_errors'][:, 0],
+        **{name: judged[name] for name in EXPONENT_UNITS},
     }
 
 
@@ -99,10 +103,17 @@ def basins(
         'label': labels.reshape(size, size),
         'names': np.array(names),
         'share': np.bincount(labels, minlength=len(names)) / labels.size,
-        'exponent': joined['exponent'].reshape(size, size),
-        'exponent_error': joined['exponent_error'].reshape(size, size),
     }
-    return Outcome('basins', _text(operation, arrays), _table(arrays), arrays, UNITS)
+    for name in EXPONENT_UNITS:
+        arrays[name] = joined[name].reshape(size, size, *joined[name].shape[1:])
+    states = _states(arrays)
+    further = {
+        '_convergence': convergence_table(
+            states, arrays['convergence'], arrays['convergence_cycles']
+        )
+    }
+    table = _table(states, arrays)
+    return Outcome('basins', _text(operation, arrays), table, arrays, UNITS, further)
 
 
 def attractors(kinds: np.ndarray, means: np.ndarray) -> tuple[np.ndarray, list[str]]:
@@ -137,15 +148,20 @@ def _text(operation: Operation, arrays: dict[str, np.ndarray]) -> str:
         f'  {share:6.1%}  {name}'
         for name, share in zip(arrays['names'], arrays['share'], strict=True)
     ]
+    lines.append(verdict(arrays['settled'], arrays['sum_error']))
     return '\n'.join(lines)
 
 
-def _table(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+def _states(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     slope, delta = np.meshgrid(arrays['delta_dot'], arrays['delta'], indexing='ij')
-    return {
-        'delta [b]': delta.ravel(),
-        'delta_dot [b wn]': slope.ravel(),
-        'attractor [-]': arrays['names'][arrays['label'].ravel()],
-        'largest_exponent [1/tau]': arrays['exponent'].ravel(),
-        'largest_exponent_error [1/tau]': arrays['exponent_error'].ravel(),
+    return {'delta [b]': delta.ravel(), 'delta_dot [b wn]': slope.ravel()}
+
+
+def _table(states: dict[str, np.ndarray], arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    found = {
+        'attractor [-]': arrays['names'][arrays['label']],
+        'settled [1]': arrays['settled'].all(axis=-1).astype(int),
+        'sum_error [1]': arrays['sum_error'],
+        **exponent_columns(arrays['exponents'], arrays['standard_errors']),
     }
+    return states | {name: each.ravel() for name, each in found.items()}

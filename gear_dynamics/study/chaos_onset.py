@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from gear_dynamics.study.exponents import EXPONENT_UNITS
 from gear_dynamics.study.kind import CHAOS
 from gear_dynamics.study.operation import Operation
 from gear_dynamics.study.sweep import DOWN, chain_along, follow, measure
@@ -76,13 +77,12 @@ def refine(
     Returns
     -------
     dict
-        `values`, `exponent` (the largest), `standard_error` and `kind`, each (n, fine) along the
-        values, NaN and empty where there is no onset.
+        `values` and `kind`, (n, fine); if there is an onset, what `EXPONENT_UNITS` names too,
+        (n, fine, ...). Along the values; NaN, empty or zero for sweeps without onset.
     """
     span = min(2 * AROUND, len(values) - 1)
     fine = np.full((len(operations), span * FINER + 1), np.nan)
-    result = {'values': fine, 'exponent': fine.copy(), 'standard_error': fine.copy()}
-    result['kind'] = np.zeros(fine.shape, 'U16')
+    result = {'values': fine, 'kind': np.zeros(fine.shape, 'U16')}
     found = [i for i, kind in enumerate(kinds) if math.isfinite(onset(values, kind))]
     if not found:
         return result
@@ -94,11 +94,12 @@ def refine(
         chains.append(chain_along(operations[i], parameter, fine[i, ::-1] if down else fine[i]))
         starts.append(states[i, first + span if down else first])
     measured = measure(chains, follow(chains, np.array(starts), TRANSIENT, runner), RECORD, runner)
-    for row, i in enumerate(found):
-        along = slice(None, None, -1 if i % 2 == DOWN else 1)
-        result['exponent'][i] = measured['exponents'][row, along, 0]
-        result['standard_error'][i] = measured['standard_errors'][row, along, 0]
-        result['kind'][i] = measured['kind'][row, along]
+    for name in ('kind', *EXPONENT_UNITS):
+        swept = measured[name]
+        empty = math.nan if swept.dtype.kind == 'f' else swept.dtype.type()
+        result[name] = np.full((*fine.shape, *swept.shape[2:]), empty, swept.dtype)
+        for row, i in enumerate(found):
+            result[name][i] = swept[row, ::-1] if i % 2 == DOWN else swept[row]
     return result
 
 

@@ -23,6 +23,17 @@ RECORD = 50
 """Points of the convergence record."""
 
 
+EXPONENT_UNITS = {
+    'exponents': '1/tau',
+    'standard_errors': '1/tau',
+    'settled': '1',
+    'convergence': '1/tau',
+    'convergence_cycles': 'cycles',
+    'sum_error': '1',
+}
+"""What a study keeps of all exponents of each motion."""
+
+
 class Exponents(NamedTuple):
     """Lyapunov exponents per tau, in descending order.
 
@@ -91,6 +102,32 @@ def exponent_columns(values: np.ndarray, errors: np.ndarray) -> dict[str, np.nda
         columns[f'exponent_{i + 1} [1/tau]'] = values[..., i]
         columns[f'exponent_{i + 1}_error [1/tau]'] = errors[..., i]
     return columns
+
+
+def convergence_table(
+    motions: dict[str, np.ndarray], convergence: np.ndarray, cycles: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Return the means of all exponents over the first cycles, as a table.
+
+    motions : dict of str to (...) array
+        Columns that tell the motions apart.
+    convergence, cycles : (..., points, k) and (..., points) arrays
+    """
+    points, k = convergence.shape[-2:]
+    running = convergence.reshape(-1, k)
+    return {
+        **{name: np.repeat(column, points) for name, column in motions.items()},
+        'cycles [cycles]': cycles.ravel(),
+        **{f'exponent_{i + 1} [1/tau]': running[:, i] for i in range(k)},
+    }
+
+
+def verdict(settled: np.ndarray, error: np.ndarray) -> str:
+    """Return in words how far the exponents of motions, (..., k), and their sums, (...), hold."""
+    return (
+        f'Exponents are not settled at {np.mean(~settled.all(axis=-1)):.1%}. Their sum differs '
+        f'from the mean divergence by {np.abs(error).max():.1e} of it at most.'
+    )
 
 
 def sum_error(sums: np.ndarray, divergence: np.ndarray) -> np.ndarray:

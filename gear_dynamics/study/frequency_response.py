@@ -7,6 +7,12 @@ import math
 import numpy as np
 
 from gear_dynamics.model.cycles import run_cycles
+from gear_dynamics.study.exponents import (
+    EXPONENT_UNITS,
+    convergence_table,
+    exponent_columns,
+    verdict,
+)
 from gear_dynamics.study.initial import scattered_states
 from gear_dynamics.study.judgement import judge, unzip
 from gear_dynamics.study.kind import LONGEST_PERIOD, kind_shares
@@ -41,25 +47,24 @@ UNITS = {
     'force_rms_error': 'N',
     'kind': '-',
     'period': 'cycles',
-    'exponent': '1/tau',
-    'exponent_error': '1/tau',
+    **EXPONENT_UNITS,
     'w': '1',
     'speed': 'rad/s',
 }
 
 
 def response_task(operations: list[Operation], states: np.ndarray) -> Arrays:
-    """Return RMS, extremes and kind of motions, by the names of UNITS.
+    """Return RMS, extremes, kind and all exponents of motions, by the names of UNITS.
 
     The RMS of a motion with a period is over as many whole periods as RECORD cycles hold, and has
     no error; that of another is over PARTS records. If it has a period after these, they were a
     transient, and the motion is taken as it is then.
     """
-    judged = judge(operations, states, JUDGED, k=1)
+    judged = judge(operations, states, JUDGED)
     figures, ends = _figures(operations, judged)
     irregular = np.flatnonzero(judged['period'] == 0).tolist()
     if irregular:
-        later = judge([operations[i] for i in irregular], ends[irregular], JUDGED, k=1)
+        later = judge([operations[i] for i in irregular], ends[irregular], JUDGED)
         died = np.flatnonzero(later['period'] > 0)
         which = [irregular[i] for i in died]
         if which:
@@ -90,8 +95,7 @@ def _figures(operations: list[Operation], judged: Arrays) -> tuple[Arrays, np.nd
         'force_rms_error': force_error,
         'kind': judged['kind'],
         'period': period,
-        'exponent': judged['exponents'][:, 0],
-        'exponent_error': judged['standard_errors'][:, 0],
+        **{name: judged[name] for name in EXPONENT_UNITS},
     }
     return figures, ends
 
@@ -162,9 +166,18 @@ def response(
     ]
     results = runner.run(response_task, arguments, 'response')
     joined = {name: np.concatenate([each[name] for each in results]) for name in results[0]}
-    arrays = {name: by_value(each.reshape(2, count))[0] for name, each in joined.items()}
+    arrays = {
+        name: by_value(each.reshape(2, count, *each.shape[1:]))[0] for name, each in joined.items()
+    }
     arrays |= {'w': values, 'speed': np.array([each.speed for each in chain])}
-    return Outcome('response', _text(operation, arrays), _table(arrays), arrays, UNITS)
+    motions = _motions(arrays)
+    further = {
+        '_convergence': convergence_table(
+            motions, arrays['convergence'], arrays['convergence_cycles']
+        )
+    }
+    table = _table(motions, arrays)
+    return Outcome('response', _text(operation, arrays), table, arrays, UNITS, further)
 
 
 def jumps(
@@ -212,23 +225,31 @@ def _text(operation: Operation, arrays: dict[str, np.ndarray]) -> str:
     if lost.any():
         first = arrays['w'][lost.any(axis=0).argmax()]
         lines.append(f'contact is first lost at w = {first:.3f}')
+    lines.append(verdict(arrays['settled'], arrays['sum_error']))
     return '\n'.join(lines)
 
 
-def _table(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+def _motions(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     count = len(arrays['w'])
     return {
         'swept [-]': np.repeat(['up', 'down'], count),
         'w [1]': np.tile(arrays['w'], 2),
         'speed [rad/s]': np.tile(arrays['speed'], 2),
-        'rms_delta [b]': arrays['rms'].ravel(),
-        'rms_delta_error [b]': arrays['rms_error'].ravel(),
-        'least_delta [b]': arrays['least'].ravel(),
-        'greatest_delta [b]': arrays['greatest'].ravel(),
-        'rms_mesh_force [N]': arrays['force_rms'].ravel(),
-        'rms_mesh_force_error [N]': arrays['force_rms_error'].ravel(),
-        'kind [-]': arrays['kind'].ravel(),
-        'period [cycles]': arrays['period'].ravel(),
-        'largest_exponent [1/tau]': arrays['exponent'].ravel(),
-        'largest_exponent_error [1/tau]': arrays['exponent_error'].ravel(),
     }
+
+
+def _table(motions: dict[str, np.ndarray], arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    found = {
+        'rms_delta [b]': arrays['rms'],
+        'rms_delta_error [b]': arrays['rms_error'],
+        'least_delta [b]': arrays['least'],
+        'greatest_delta [b]': arrays['greatest'],
+        'rms_mesh_force [N]': arrays['force_rms'],
+        'rms_mesh_force_error [N]': arrays['force_rms_error'],
+        'kind [-]': arrays['kind'],
+        'period [cycles]': arrays['period'],
+        'settled [1]': arrays['settled'].all(axis=-1).astype(int),
+        'sum_error [1]': arrays['sum_error'],
+        **exponent_columns(arrays['exponents'], arrays['standard_errors']),
+    }
+    return motions | {name: each.ravel() for name, each in found.items()}

@@ -14,6 +14,7 @@ from gear_dynamics.study.exponents import (
     AGREE,
     FLOOR,
     Exponents,
+    convergence_table,
     exponent_columns,
     exponents,
     standard_error,
@@ -121,7 +122,7 @@ def lyapunov(
         _table(findings),
         finding_arrays(findings) | {'sections': sections},
         UNITS,
-        {'_convergence': convergence_table(findings)},
+        {'_convergence': convergence_of(findings)},
     )
 
 
@@ -299,14 +300,11 @@ def finding_arrays(findings: Sequence[Finding]) -> dict[str, np.ndarray]:
     }
 
 
-def convergence_table(findings: Sequence[Finding]) -> dict[str, np.ndarray]:
-    """Return the means of all exponents over the first cycles, as a table."""
+def convergence_of(findings: Sequence[Finding]) -> dict[str, np.ndarray]:
+    """Return the table of the means of all exponents over the first cycles."""
     each = finding_arrays(findings)
-    motions, points, k = each['convergence'].shape
-    running = each['convergence'].reshape(-1, k)
-    return {
-        'friction_coefficient [1]': np.repeat(each['friction'], points),
-        'motion [1]': np.repeat(np.arange(1, motions + 1), points),
-        'cycles [cycles]': each['convergence_cycles'].ravel(),
-        **{f'exponent_{i + 1} [1/tau]': running[:, i] for i in range(k)},
+    motions = {
+        'friction_coefficient [1]': each['friction'],
+        'motion [1]': np.arange(1, len(findings) + 1),
     }
+    return convergence_table(motions, each['convergence'], each['convergence_cycles'])

@@ -8,7 +8,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from gear_dynamics.study.chaos_onset import FINER, TRANSIENT, chaotic_ranges, onset_words, refine
-from gear_dynamics.study.exponents import exponent_columns
+from gear_dynamics.study.exponents import (
+    EXPONENT_UNITS,
+    convergence_table,
+    exponent_columns,
+    verdict,
+)
 from gear_dynamics.study.initial import scattered_states
 from gear_dynamics.study.kind import PERIOD, SAME, UNDECIDED, kind_shares, same_orbit
 from gear_dynamics.study.lyapunov_table import FRICTION, with_frictions
@@ -64,6 +69,12 @@ def bifurcation(
         transient of this one ended.
     runner : Runner, optional
 
+    Returns
+    -------
+    Outcome
+        Its further tables are the points of the diagram (`_section`), the means of all exponents
+        over the first cycles (`_convergence`), and the finer sweep (`_onset`) if there is one.
+
     Raises
     ------
     ParameterError
@@ -97,12 +108,14 @@ def bifurcation(
     )
     arrays |= {f'fine_{name}': np.stack([f[::2], f[1::2]], axis=1) for name, f in fine.items()}
     arrays |= {'values': values, 'friction': np.array(frictions), 'parameter': np.array(parameter)}
-    return Outcome('bifurcation', _text(arrays), _table(arrays), arrays, _units(parameter))
+    tables = _tables(arrays)
+    table = tables.pop('')
+    return Outcome('bifurcation', _text(arrays), table, arrays, _units(parameter), tables)
 
 
 def _units(parameter: str) -> dict[str, str]:
     swept = dict.fromkeys(('values', 'fine_values'), unit_of(parameter))
-    fine = {'fine_exponent': '1/tau', 'fine_standard_error': '1/tau', 'fine_kind': '-'}
+    fine = {f'fine_{name}': unit for name, unit in EXPONENT_UNITS.items()} | {'fine_kind': '-'}
     return UNITS | swept | fine | {'friction': '1', 'parameter': '-'}
 
 
@@ -125,13 +138,11 @@ def _text(arrays: dict[str, np.ndarray]) -> str:
         ]
         for direction in (UP, DOWN):
             lines += _paragraph(arrays, i, direction)
-    worst = np.abs(arrays['sum_error']).max()
-    unsettled = np.mean(~arrays['settled'].all(axis=-1))
-    lines += [
-        '',
-        f'Exponents are not settled at {unsettled:.1%}. Their sum differs from the mean divergence '
-        f'by {worst:.1e} of it at most.',
-    ]
+    lines += ['', verdict(arrays['settled'], arrays['sum_error'])]
+    if has_onset(arrays):
+        swept = np.isfinite(arrays['fine_values'])
+        fine = verdict(arrays['fine_settled'][swept], arrays['fine_sum_error'][swept])
+        lines.append(f'At the onset of chaos: {fine}')
     return '\n'.join(lines)
 
 
@@ -174,17 +185,21 @@ def in_place(kinds: np.ndarray, sections: np.ndarray) -> np.ndarray:
     return far
 
 
-def _table(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    shape = arrays['kind'].shape
-    mu, direction, value = np.meshgrid(
-        arrays['friction'], ['up', 'down'], arrays['values'], indexing='ij'
-    )
-    delta = arrays['sections'][..., 0]
-    columns = {f'{arrays["parameter"]} [{unit_of(str(arrays["parameter"]))}]': value}
-    if arrays['parameter'] != FRICTION:
-        columns['friction_coefficient [1]'] = mu
-    columns |= {
-        'swept [-]': direction,
+def _motions(arrays: dict[str, np.ndarray], values: np.ndarray) -> dict[str, np.ndarray]:
+    """Return the columns that tell motions apart; values, (frictions, 2, count), of the swept."""
+    parameter = str(arrays['parameter'])
+    columns = {f'{parameter} [{unit_of(parameter)}]': values}
+    if parameter != FRICTION:
+        columns['friction_coefficient [1]'] = arrays['friction'][:, np.newaxis, np.newaxis]
+    columns['swept [-]'] = np.array(['up', 'down'])[:, np.newaxis]
+    return {name: np.broadcast_to(each, values.shape).ravel() for name, each in columns.items()}
+
+
+def _tables(arrays: dict[str, np.ndarray]) -> dict[str, dict[str, np.ndarray]]:
+    """Return the tables by what is added to the name of their files."""
+    motions = _motions(arrays, np.broadcast_to(arrays['values'], arrays['kind'].shape))
+    delta, slope = np.moveaxis(arrays['sections'], -1, 0)
+    measured = {
         'kind [-]': arrays['kind'],
         'settled [1]': arrays['settled'].all(axis=-1).astype(int),
         'discarded [cycles]': arrays['discarded'],
@@ -194,4 +209,34 @@ def _table(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         'sum_error [1]': arrays['sum_error'],
         **exponent_columns(arrays['exponents'], arrays['standard_errors']),
     }
-    return {name: column.reshape(np.prod(shape)) for name, column in columns.items()}
+    tables = {
+        '': motions | {name: each.ravel() for name, each in measured.items()},
+        '_section': {
+            **{name: np.repeat(each, delta.shape[-1]) for name, each in motions.items()},
+            'delta [b]': delta.ravel(),
+            'delta_dot [b wn]': slope.ravel(),
+        },
+        '_convergence': convergence_table(
+            motions, arrays['convergence'], arrays['convergence_cycles']
+        ),
+    }
+    if has_onset(arrays):
+        tables['_onset'] = _onset_table(arrays)
+    return tables
+
+
+def has_onset(arrays: dict[str, np.ndarray]) -> bool:
+    """Return whether any sweep has an onset of chaos, and so a finer sweep about it."""
+    return bool(np.isfinite(arrays['fine_values']).any())
+
+
+def _onset_table(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    swept = np.isfinite(arrays['fine_values']).ravel()
+    measured = {
+        'kind [-]': arrays['fine_kind'],
+        'settled [1]': arrays['fine_settled'].all(axis=-1).astype(int),
+        'sum_error [1]': arrays['fine_sum_error'],
+        **exponent_columns(arrays['fine_exponents'], arrays['fine_standard_errors']),
+    }
+    columns = _motions(arrays, arrays['fine_values']) | measured
+    return {name: each.ravel()[swept] for name, each in columns.items()}

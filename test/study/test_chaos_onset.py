@@ -41,6 +41,10 @@ def test_onset_parts_growth_from_decay(monkeypatch):
     outcome = study.bifurcation(chaos, [0.0], begin=1.14, end=1.19, count=11, transient=200)
     fine, kinds = outcome.arrays['fine_values'][0], outcome.arrays['fine_kind'][0]
     assert fine.shape == (2, 25)
+    table = outcome.further['_onset']
+    assert np.array_equal(table['w [1]'], fine.ravel())
+    assert np.array_equal(table['kind [-]'], kinds.ravel())
+    assert np.abs(table['sum_error [1]']).max() < 1e-6
     assert np.diff(fine, axis=1) == pytest.approx(0.005 / 4)
     for along, kind in zip(fine, kinds, strict=True):
         place = onset(along, kind)

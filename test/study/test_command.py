@@ -67,12 +67,13 @@ def test_a_stopped_study_goes_on_and_loses_nothing(whole, tmp_path):
         for name, array in whole.arrays.items():
             assert np.array_equal(stored[name], array), name
     names = sorted(path.name for path in tmp_path.iterdir())
-    assert names == ['basins.csv', 'basins.npz', 'basins.png', 'basins.txt']
+    files = ['basins.csv', 'basins.npz', 'basins.png', 'basins.txt', 'basins_convergence.csv']
+    assert names == files
 
 
 def test_a_full_disk_leaves_no_half_of_a_result_and_loses_nothing(whole, tmp_path):
     def small_files():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, 10_000))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (40_000, 40_000))
 
     with start(tmp_path, preexec_fn=small_files) as process:
         errors = process.communicate()[1]

@@ -76,8 +76,28 @@ def test_bifurcation_goes_on_from_one_value_to_the_next():
     assert np.abs(outcome.arrays['sum_error']).max() < 1e-6
 
 
+def assert_table_ends_at_the_exponents(outcome):
+    """The means over the whole of a record are the exponents."""
+    exponents, cycles = outcome.arrays['exponents'], outcome.arrays['convergence_cycles']
+    table = outcome.further['_convergence']
+    last = slice(cycles.shape[-1] - 1, None, cycles.shape[-1])
+    for i in range(10):
+        column = table[f'exponent_{i + 1} [1/tau]']
+        assert column[last] == pytest.approx(exponents[..., i].ravel(), rel=1e-9)
+        assert np.array_equal(outcome.table[f'exponent_{i + 1} [1/tau]'], exponents[..., i].ravel())
+    assert np.array_equal(table['cycles [cycles]'][last], cycles[..., -1].ravel())
+
+
 def test_every_motion_of_a_sweep_has_all_exponents_and_a_verdict():
-    arrays = study.bifurcation(CHAOS, [0.03], begin=0.5, end=0.6, count=3, cycles=150).arrays
+    outcome = study.bifurcation(CHAOS, [0.03], begin=0.5, end=0.6, count=3, cycles=150)
+    arrays = outcome.arrays
+    assert_table_ends_at_the_exponents(outcome)
+    # No chaos, so no onset of it.
+    assert '_onset' not in outcome.further
+    section = outcome.further['_section']
+    second = (np.abs(section['w [1]'] - 0.55) < 1e-9) & (section['swept [-]'] == 'down')
+    points = np.stack([section['delta [b]'], section['delta_dot [b wn]']], axis=-1)
+    assert np.array_equal(points[second], arrays['sections'][0, 1, 1])
     assert arrays['exponents'].shape == (1, 2, 3, 10)
     assert arrays['standard_errors'].shape == arrays['settled'].shape == (1, 2, 3, 10)
     assert arrays['convergence'].shape == (1, 2, 3, 10, 10)
@@ -193,6 +213,10 @@ def test_response_of_the_linear_oscillator_has_the_closed_form_rms():
     amplitude = 1e-6 / pair.half_backlash * w**2 / np.hypot(1 - w**2, 2 * zeta * w)
     assert arrays['rms'] == pytest.approx(np.array([amplitude, amplitude]) / np.sqrt(2), rel=1e-4)
     assert np.all(arrays['rms_error'] < 1e-12)
+    # Two of the exponents are those of the linear oscillator, -zeta; all keep the sum rule.
+    nearest = np.sort(np.abs(arrays['exponents'] + zeta), axis=-1)[..., :2]
+    assert nearest.max() < 5e-4 + 4 * arrays['standard_errors'].max()
+    assert np.abs(arrays['sum_error']).max() < 1e-6
     # The spring carries what the damping does not.
     force = amplitude * np.hypot(1, 2 * zeta * w) * pair.half_backlash * pair.tooth_pair_stiffness
     assert arrays['force_rms'][0] == pytest.approx(force / np.sqrt(2), rel=1e-4)
@@ -214,6 +238,7 @@ def test_rms_of_noise_comes_with_its_error():
 
 def test_response_of_the_linear_motion_is_the_same_up_and_down():
     outcome = study.response(study.default_operation(), begin=0.1, end=0.13, count=4, transient=200)
+    assert_table_ends_at_the_exponents(outcome)
     up, down = outcome.arrays['rms']
     assert up == pytest.approx(down, rel=1e-4)
     assert np.all(outcome.arrays['period'] == 1)
@@ -225,6 +250,10 @@ def test_basins_shares_sum_to_one():
     assert outcome.arrays['share'].sum() == pytest.approx(1)
     assert any(name.startswith('period-1 ') for name in names)
     assert any(name.startswith('period-3 ') for name in names)
+    # All ten exponents of each motion keep the sum rule, and show how they converged.
+    assert outcome.arrays['exponents'].shape == outcome.arrays['settled'].shape == (6, 6, 10)
+    assert np.abs(outcome.arrays['sum_error']).max() < 1e-6
+    assert_table_ends_at_the_exponents(outcome)
 
 
 def test_attractors_are_told_apart_by_kind_and_place():
@@ -375,7 +404,8 @@ def test_command_writes_data_with_units_figure_and_text(tmp_path, capsys):
     assert main([*arguments, '--output', str(tmp_path)]) == 0
     assert 'period-' in capsys.readouterr().out
     names = sorted(path.name for path in tmp_path.iterdir())
-    assert names == ['basins.csv', 'basins.npz', 'basins.png', 'basins.txt']
+    files = ['basins.csv', 'basins.npz', 'basins.png', 'basins.txt', 'basins_convergence.csv']
+    assert names == files
     assert (tmp_path / 'basins.png').read_bytes().startswith(b'\x89PNG')
     with (tmp_path / 'basins.csv').open() as file:
         rows = list(csv.DictReader(file))
