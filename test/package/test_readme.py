@@ -59,16 +59,16 @@ def test_example_hears_the_stream(domain):
             [sys.executable, '-u', ROOT / 'examples' / 'listen.py'],
             env=ros_support.environment(domain),
             stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
+            stderr=subprocess.PIPE,
             text=True,
         )
         try:
             lines = [listener.stdout.readline() for _ in range(20)]
         finally:
             listener.send_signal(2)
-        rest = listener.communicate(timeout=20)[0]
-    assert listener.returncode == 0, rest
-    assert 'Traceback' not in rest
+        errors = listener.communicate(timeout=20)[1]
+    assert listener.returncode == 0, errors
+    assert 'Traceback' not in errors
     said = [re.fullmatch(r'(\d+)\.(\d{9}): (\d+) samples, ([\d.]+) m/s2 RMS\n', x) for x in lines]
     stamps = [int(each[1]) * 10**9 + int(each[2]) for each in said]
     assert {b - a for a, b in itertools.pairwise(stamps)} == {10_000_000}
