@@ -32,11 +32,14 @@ class Operation(NamedTuple):
         Of the pinion [rad/s].
     load_torque : float
         On the gear [N m].
+    asked_ratio : float, optional
+        w, if it was asked for: it is kept where another value changes wn, and the speed follows.
     """
 
     pair: GearPair
     speed: float
     load_torque: float
+    asked_ratio: float | None = None
 
     @property
     def frequency_ratio(self) -> float:
@@ -51,27 +54,33 @@ class Operation(NamedTuple):
     def with_value(self, name: str, value: float) -> Operation:
         """Return the same with another value of w, speed, load_torque or a pair's parameter.
 
+        Of w and speed the one that is given last holds.
+
         Raises
         ------
         ParameterError
             If there is no such number, or the value is out of its range.
         """
         if name == FREQUENCY_RATIO:
-            try:
-                return self.with_value(
-                    'speed', value * self.pair.derived.wn / self.pair.pinion_teeth
-                )
-            except ParameterError as error:
-                raise ParameterError(f'w is {value:g}: {error}') from None
+            return self._at_ratio(value)
         changed: dict[str, Any] = {name: value}
         if name in RUN_NAMES:
-            run = _run_settings(changed)
-            return self._replace(**{name: getattr(run, name)})
+            changed = {name: getattr(_run_settings(changed), name)}
+            return self._replace(**changed, **({'asked_ratio': None} if name == 'speed' else {}))
         numbers = [a.name for a in self.pair.parameters() if isinstance(a.default, float)]
         if name not in numbers:
             known = ', '.join([FREQUENCY_RATIO, *RUN_NAMES, *numbers])
             raise ParameterError(f'{name} cannot be varied; known are {known}')
-        return self._replace(pair=dataclasses.replace(self.pair, **changed))
+        other = self._replace(pair=dataclasses.replace(self.pair, **changed))
+        return other if self.asked_ratio is None else other._at_ratio(self.asked_ratio)
+
+    def _at_ratio(self, ratio: float) -> Operation:
+        """Return the same at the speed that belongs to w, which is kept from now on."""
+        speed = ratio * self.pair.derived.wn / self.pair.pinion_teeth
+        try:
+            return self.with_value('speed', speed)._replace(asked_ratio=ratio)
+        except ParameterError as error:
+            raise ParameterError(f'w is {ratio:g}: {error}') from None
 
     def scaled(self, sections: np.ndarray) -> np.ndarray:
         """Return delta / b and delta_dot / (b wn) of sections, (..., 2)."""
