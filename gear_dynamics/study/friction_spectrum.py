@@ -9,6 +9,7 @@ import numpy as np
 
 from gear_dynamics.analysis.regime import recurrence_period
 from gear_dynamics.model.cycles import run_cycles
+from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.study.initial import scattered_states
 from gear_dynamics.study.judgement import unzip
 from gear_dynamics.study.kind import LONGEST_PERIOD, RECURS
@@ -20,6 +21,9 @@ HARMONICS = 5
 
 ACCELERATIONS = ('pinion_ax', 'pinion_ay', 'gear_ax', 'gear_ay')
 QUANTITIES = (*ACCELERATIONS, 'delta', 'mesh_force', 'friction_force')
+
+RELATIVE = {'psi': 'm', 'psi_acceleration': 'm/s2', 'delta_acceleration': 'm/s2'}
+"""What the table of the full form has of the wheels' rotation and their approach beside delta."""
 
 OTHER_UNITS = {'delta': 'm', 'mesh_force': 'N', 'friction_force': 'N'}
 
@@ -80,15 +84,40 @@ def quantity_rows(samples: np.ndarray, cycle_time: float) -> dict[str, np.ndarra
         Length of a mesh cycle [s].
     """
     rows = {}
-    rate = 2 * math.pi / (RECORD * cycle_time)
+    turn = _frequencies(len(samples), cycle_time)
     for name in QUANTITIES:
-        lines = 2 * np.abs(np.fft.rfft(samples[name])) / len(samples)
+        lines = _amplitudes(samples[name])
         rows[name] = _row(lines)
         if name in ACCELERATIONS:
             divided = np.zeros_like(lines)
-            divided[1:] = lines[1:] / (rate * np.arange(1, len(lines))) ** 2
+            divided[1:] = lines[1:] / turn[1:] ** 2
             rows[name.replace('_a', '_')] = _row(divided)
     return rows
+
+
+def relative_rows(samples: np.ndarray, pair: GearPair, cycle_time: float) -> dict[str, np.ndarray]:
+    """Return rows as `quantity_rows` does, of psi = rb1 th1 - rb2 th2 and by the names of RELATIVE.
+
+    Accelerations come from the lines of psi and of delta_dot: no sample has them.
+    """
+    turn = _frequencies(len(samples), cycle_time)
+    psi = pair.derived.pinion_base_radius * np.unwrap(samples['pinion_angle'])
+    psi -= pair.derived.gear_base_radius * np.unwrap(samples['gear_angle'])
+    lines = _amplitudes(psi)
+    return {
+        'psi': _row(lines),
+        'psi_acceleration': _row(lines * turn**2),
+        'delta_acceleration': _row(_amplitudes(samples['delta_dot']) * turn),
+    }
+
+
+def _amplitudes(values: np.ndarray) -> np.ndarray:
+    return 2 * np.abs(np.fft.rfft(values)) / len(values)
+
+
+def _frequencies(count: int, cycle_time: float) -> np.ndarray:
+    """Return the angular frequencies of the lines of a record of `count` samples [rad/s]."""
+    return 2 * math.pi / (RECORD * cycle_time) * np.arange(count // 2 + 1)
 
 
 def _row(lines: np.ndarray) -> np.ndarray:
@@ -97,16 +126,16 @@ def _row(lines: np.ndarray) -> np.ndarray:
 
 
 def table_task(operation: Operation) -> Arrays:
-    """Return `quantity_rows` of the full form, once the drive has settled."""
+    """Return all rows of the full form, once the drive has settled."""
     pairs = [operation.pair]
     run = (pairs, operation.speed, operation.load_torque)
     before = run_cycles(*run, DRIVE_SETTLES, drive=True)
     after = run_cycles(
         *run, RECORD, states=before.states, drive=True, samples_per_cycle=TABLE_SAMPLES
     )
-    rows = quantity_rows(after.samples[0], float(after.period[0]))
-    lines = 2 * np.abs(np.fft.rfft(after.samples[0]['pinion_ax'])) / after.samples.shape[1]
-    y_lines = 2 * np.abs(np.fft.rfft(after.samples[0]['pinion_ay'])) / after.samples.shape[1]
+    samples, cycle_time = after.samples[0], float(after.period[0])
+    rows = quantity_rows(samples, cycle_time) | relative_rows(samples, operation.pair, cycle_time)
+    lines, y_lines = _amplitudes(samples['pinion_ax']), _amplitudes(samples['pinion_ay'])
     orders = np.arange(len(lines)) / RECORD
     shown = orders <= 20
     return rows | {'order': orders[shown], 'ax_lines': lines[shown], 'ay_lines': y_lines[shown]}
@@ -252,9 +281,10 @@ def _text(operation: Operation, arrays: dict[str, np.ndarray]) -> str:
         before, after = arrays[name]
         change = f'{after[0] / before[0] - 1:+.1%}' if before[0] > 0 else 'none without friction'
         first = f', first harmonic {after[1] / before[1] - 1:+.1%}' if before[1] > 0 else ''
-        lines.append(f'  {name:15s} RMS {before[0]:.4g} -> {after[0]:.4g} {unit} ({change}){first}')
-    leads = arrays['order'][1, int(arrays['ax_lines'][1][1:].argmax()) + 1]
-    lines.append(f"  the pinion's x acceleration is led by mesh harmonic {leads:g}")
+        lines.append(f'  {name:18s} RMS {before[0]:.4g} -> {after[0]:.4g} {unit} ({change}){first}')
+    if arrays['ax_lines'][1].any():
+        leads = arrays['order'][1, int(arrays['ax_lines'][1][1:].argmax()) + 1]
+        lines.append(f"  the pinion's x acceleration is led by mesh harmonic {leads:g}")
     if 'map' in arrays:
         lines += _claims_text(arrays)
     return '\n'.join(lines)
@@ -279,7 +309,7 @@ def _quantities() -> list[tuple[str, str]]:
         found.append((name, OTHER_UNITS.get(name, 'm/s2')))
         if name in ACCELERATIONS:
             found.append((name.replace('_a', '_'), 'm'))
-    return found
+    return [*found, *RELATIVE.items()]
 
 
 def _table(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
