@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from gear_dynamics.study.operation import Operation
     from gear_dynamics.study.outcome import Outcome
 
+ENDINGS = ('.npz', '.csv', '.txt', '.png', '_*.csv')
+"""Of the files of a study."""
+
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 STOPPED = 130
@@ -122,14 +125,18 @@ def _operation(arguments: argparse.Namespace) -> Operation:
     else:
         operation = getattr(study, STUDIES[arguments.study].operation)()
     for name, value in arguments.set:
+        if name == 'friction_coefficient' and 'frictions' in STUDIES[arguments.study].options:
+            raise ValueError(
+                f'--set {name}={value:g} would have no effect: give {arguments.study} --frictions'
+            )
         operation = operation.with_value(name, value)
     return operation
 
 
 def _refuse_existing(arguments: argparse.Namespace) -> None:
-    path = arguments.output / f'{arguments.study}.npz'
-    if path.exists():
-        raise ValueError(f'{path} exists: move it, or name another directory with --output')
+    for ending in ENDINGS:
+        for path in sorted(arguments.output.glob(arguments.study + ending)):
+            raise ValueError(f'{path} exists: move it, or name another directory with --output')
 
 
 def _compile() -> None:

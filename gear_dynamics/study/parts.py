@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import functools
 import hashlib
@@ -88,6 +89,11 @@ class Parts:
         for path in self._used | others:
             path.unlink(missing_ok=True)
         if not any(self._directory.iterdir()):
+            self._directory.rmdir()
+
+    def close(self) -> None:
+        """Remove the directory if nothing is kept in it."""
+        with contextlib.suppress(OSError):
             self._directory.rmdir()
 
     def _file(self, task: Task, arguments: dict[str, Any]) -> Path:

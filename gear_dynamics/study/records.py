@@ -70,12 +70,16 @@ def records(
         `sections`, `growth` and `divergence` along the records; `states` at their ends; `nearby`,
         the growth between two nearby motions over `nearby_cycles` more.
     """
+    # Where a motion goes on from leaves rounding: stretches are as long wherever it runs.
     most = max(STRETCH // len(states[0]), 1)
     before = chunks(transient, most)
     stretches = [*before, *chunks(cycles, most)]
-    ends = [{'states': each, 'vectors': first_variations(len(each))} for each in states]
+    groups = chunks(len(states[0]), 1 if runner.at_once else len(states[0]))
+    which = [operation for operation in operations for _ in groups]
+    begins = [each[group] for each in states for group in groups]
+    ends = [{'states': each, 'vectors': first_variations(len(each))} for each in begins]
     done = []
-    with runner.progress((len(stretches) + 1) * len(operations), label):
+    with runner.progress((len(stretches) + 1) * len(which), label):
         for part in stretches:
             arguments = [
                 {
@@ -84,18 +88,22 @@ def records(
                     'vectors': end['vectors'],
                     'cycles': part.stop - part.start,
                 }
-                for operation, end in zip(operations, ends, strict=True)
+                for operation, end in zip(which, ends, strict=True)
             ]
             ends = runner.run(stretch_task, arguments)
             done.append(ends)
         arguments = [
             {'operation': operation, 'states': end['states'], 'cycles': nearby_cycles(cycles)}
-            for operation, end in zip(operations, ends, strict=True)
+            for operation, end in zip(which, ends, strict=True)
         ]
         nearby = runner.run(nearby_task, arguments)
-    return [
+    joined = [
         _joined([stretch[i] for stretch in done[len(before) :]]) | nearby[i]
-        for i in range(len(operations))
+        for i in range(len(which))
+    ]
+    return [
+        {name: np.concatenate([each[name] for each in joined[part]]) for name in joined[0]}
+        for part in chunks(len(joined), len(groups))
     ]
 
 

@@ -69,10 +69,19 @@ def follow(
     parts = []
     arranged = list(map(list, zip(*chains, strict=True)))
     pieces = chunks(len(arranged), FOLLOWED)
-    with runner.progress(len(pieces), 'following'):
+    groups = chunks(len(chains), 1 if runner.at_once else len(chains))
+    with runner.progress(len(pieces) * len(groups), 'following'):
         for part in pieces:
-            argument = {'operations': arranged[part], 'states': states, 'cycles': cycles}
-            followed = runner.run(follow_task, [argument])[0]['states']
+            arguments = [
+                {
+                    'operations': [value[group] for value in arranged[part]],
+                    'states': states[group],
+                    'cycles': cycles,
+                }
+                for group in groups
+            ]
+            results = runner.run(follow_task, arguments)
+            followed = np.concatenate([result['states'] for result in results], axis=1)
             states = followed[-1]
             parts.append(followed)
     return np.concatenate(parts).swapaxes(0, 1)

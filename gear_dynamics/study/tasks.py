@@ -41,7 +41,21 @@ class Runner:
         self._progress = progress
         self._bar: Any = None
         self._parts = None if parts is None else Parts(parts)
-        self._cluster = None if cluster is None else Cluster(cluster)
+        self._cluster: Cluster | None = None
+        try:
+            if cluster is not None:
+                self._cluster = Cluster(cluster)
+        except BaseException:
+            self.close()
+            raise
+
+    @property
+    def at_once(self) -> bool:
+        """Whether tasks run at once, each on a core of a cluster: then they are best cut small.
+
+        Here one at a time has all cores, and should hold motions for all of them.
+        """
+        return self._cluster is not None
 
     def run(self, task: Task, arguments: Sequence[dict[str, Any]], label: str = '') -> list[Arrays]:
         """Return the results of a task for each set of arguments, in their order.
@@ -80,9 +94,11 @@ class Runner:
             self._parts.forget()
 
     def close(self) -> None:
-        """Leave the cluster."""
+        """Leave the cluster, and no empty directory."""
         if self._cluster is not None:
             self._cluster.close()
+        if self._parts is not None:
+            self._parts.close()
 
     def _skip(self, taken: int) -> None:
         """Count what was there before; it says nothing of the time left."""
@@ -109,6 +125,6 @@ class Runner:
 def chunks(count: int, size: int) -> list[slice]:
     """Return slices of at most `size` that cover `count` things.
 
-    They do not depend on the machine, so that a study can go on elsewhere.
+    They do not depend on how many cores or workers there are, so that a study can go on elsewhere.
     """
     return [slice(begin, min(begin + size, count)) for begin in range(0, count, size)]

@@ -99,6 +99,16 @@ def test_exponents_are_the_same_on_a_cluster_to_the_last_bit(address):
         assert there.arrays[name].tobytes() == array.tobytes(), name
 
 
+def test_sweeps_are_the_same_on_a_cluster_to_the_last_bit(address):
+    size = {'begin': 1.15, 'end': 1.2, 'count': 22, 'transient': 20, 'cycles': 100}
+    runner = Runner(cluster=address)
+    there = study.bifurcation(CHAOS, [0.0, 0.03], **size, runner=runner)
+    runner.close()
+    here = study.bifurcation(CHAOS, [0.0, 0.03], **size)
+    for name, array in here.arrays.items():
+        assert there.arrays[name].tobytes() == array.tobytes(), name
+
+
 def test_a_task_that_ends_its_workers_is_given_up(address):
     cluster = Cluster(address)
     with pytest.raises(ClusterError, match='2 workers died with the same ends_its_worker') as error:
@@ -152,3 +162,4 @@ def test_an_address_without_a_scheduler_is_refused_in_one_line(tmp_path, capsys,
     assert error.startswith(f'study: no Dask scheduler answers at {address} (')
     assert error.endswith('): start one with "dask scheduler", or give "local"\n')
     assert error.count('\n') == 1
+    assert not list(tmp_path.iterdir())

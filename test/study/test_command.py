@@ -99,13 +99,17 @@ def test_first_compilation_is_announced_and_ends_at_a_signal(tmp_path):
     assert last_line(errors) == STOPPED
 
 
-def test_a_result_that_exists_is_not_overwritten(tmp_path, capsys):
-    (tmp_path / 'basins.npz').write_bytes(b'precious')
-    assert main(['basins', '--output', str(tmp_path)]) == 2
+@pytest.mark.parametrize(
+    'file', ['attractor.npz', 'attractor.csv', 'attractor.png', 'attractor_convergence.csv']
+)
+def test_a_result_that_exists_is_not_overwritten(tmp_path, capsys, file):
+    (tmp_path / file).write_bytes(b'precious')
+    assert main(['attractor', '--output', str(tmp_path)]) == 2
     assert capsys.readouterr().err == (
-        f'study: {tmp_path}/basins.npz exists: move it, or name another directory with --output\n'
+        f'study: {tmp_path}/{file} exists: move it, or name another directory with --output\n'
     )
-    assert (tmp_path / 'basins.npz').read_bytes() == b'precious'
+    assert (tmp_path / file).read_bytes() == b'precious'
+    assert [path.name for path in tmp_path.iterdir()] == [file]
 
 
 @pytest.mark.parametrize(
@@ -124,6 +128,7 @@ def test_a_result_that_exists_is_not_overwritten(tmp_path, capsys):
         ('lyapunov --frictions 0 0', 'friction_coefficient 0 is given 2 times: give it once'),
         ('attractor --frictions 0 0.1 0.1', 'friction_coefficient 0.1 is given 2 times'),
         ('bifurcation --frictions 0 0', 'friction_coefficient 0 is given 2 times'),
+        ('attractor --set friction_coefficient=0.1', 'have no effect: give attractor --frictions'),
         ('spectrum --set load_torque=nan', 'load_torque is nan: it must be a finite number'),
         ('spectrum --params {}', 'speed is 0: it must be positive, as a study counts mesh cycles'),
         ('basins --output {}', 'Not a directory: name another directory with --output'),
@@ -138,4 +143,4 @@ def test_wrong_input_is_refused_in_one_line(tmp_path, capsys, arguments, words):
     assert error.startswith('study: ')
     assert words in error
     assert error.count('\n') == 1
-    assert not list(tmp_path.glob('*.npz'))
+    assert [path.name for path in tmp_path.iterdir()] == ['standing.yaml']
