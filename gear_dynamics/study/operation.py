@@ -65,8 +65,8 @@ class Operation(NamedTuple):
             return self._at_ratio(value)
         changed: dict[str, Any] = {name: value}
         if name in RUN_NAMES:
-            changed = {name: getattr(_run_settings(changed), name)}
-            return self._replace(**changed, **({'asked_ratio': None} if name == 'speed' else {}))
+            other = self._replace(**{name: getattr(_run_settings(changed), name)})
+            return other._replace(asked_ratio=None) if name == 'speed' else other
         numbers = [a.name for a in self.pair.parameters() if isinstance(a.default, float)]
         if name not in numbers:
             known = ', '.join([FREQUENCY_RATIO, *RUN_NAMES, *numbers])
