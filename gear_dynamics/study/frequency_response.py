@@ -32,9 +32,9 @@ PARTS = 20
 
 AT_ONCE = 60
 
-JUMP = 0.1
-"""Change of the RMS over b from one value to the next that counts as a jump, if it is FAR standard
-errors too."""
+JUMP = 0.5
+"""Change of the RMS from one value to the next, over the greater of the two, that counts as a jump,
+if it is FAR standard errors too."""
 
 FAR = 4.0
 
@@ -187,7 +187,8 @@ def jumps(
 
     From or to a motion with a period: between two others chance alone makes differences.
     """
-    far = np.abs(np.diff(rms)) > np.maximum(JUMP, FAR * np.hypot(error[1:], error[:-1]))
+    least = JUMP * np.maximum(rms[1:], rms[:-1])
+    far = np.abs(np.diff(rms)) > np.maximum(least, FAR * np.hypot(error[1:], error[:-1]))
     steps = far & ((period[1:] > 0) | (period[:-1] > 0))
     return [
         (float((values[i] + values[i + 1]) / 2), float(rms[i]), float(rms[i + 1]))
@@ -202,7 +203,11 @@ def contact_is_lost(least: np.ndarray, greatest: np.ndarray) -> np.ndarray:
 
 def _text(operation: Operation, arrays: dict[str, np.ndarray]) -> str:
     mu = operation.pair.friction_coefficient
-    lines = [f'mu = {mu:g}, load torque {operation.load_torque:g} N m, RMS of delta over b']
+    lines = [
+        f'mu = {mu:g}, load torque {operation.load_torque:g} N m, RMS of delta over b; it jumps '
+        f'where it changes by more than {JUMP:.0%} of the greater from one value to the next, from '
+        'or to a period'
+    ]
     for i, direction in enumerate(('up', 'down')):
         rms, error, period = (arrays[name][i] for name in ('rms', 'rms_error', 'period'))
         top = int(rms.argmax())

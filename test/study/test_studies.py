@@ -180,13 +180,15 @@ def test_map_has_claims_and_periods():
 
 
 def test_response_jumps_where_attractors_end():
-    values, rms = np.arange(6.0), np.array([0.1, 0.11, 0.3, 0.31, 0.6, 0.8])
+    values, rms = np.arange(6.0), np.array([0.1, 0.11, 0.3, 0.31, 0.7, 1.6])
     # The last two are chaotic: chance makes their difference.
     error = np.array([0, 0, 0, 0, 0.03, 0.06])
     period = np.array([1, 1, 1, 2, 0, 0])
-    assert jumps(values, rms, error, period) == [(1.5, 0.11, 0.3), (3.5, 0.31, 0.6)]
-    # So are two that differ by more, if neither has a period.
+    assert jumps(values, rms, error, period) == [(1.5, 0.11, 0.3), (3.5, 0.31, 0.7)]
+    # So is that of two that differ by more, if neither has a period.
     assert len(jumps(values, rms, 0 * error, period)) == 2
+    # A small response jumps as a great one does.
+    assert [each[0] for each in jumps(values, rms / 50, error / 50, period)] == [1.5, 3.5]
 
 
 def test_contact_is_kept_on_either_flank_and_lost_between():
