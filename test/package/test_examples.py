@@ -16,6 +16,6 @@ def test_search_for_a_completion_runs(tmp_path):
     assert done.returncode == 0, done.stderr
     assert ' of 3 draws show chaotic, chaotic, period-4; ' in done.stdout
     # The preset comes last, and shows the sequence that it was searched for.
-    assert done.stdout.count('3 x chaotic') >= 2
-    assert '3 x period-4' in done.stdout
+    assert done.stdout.count('3 of 3 chaotic') >= 2
+    assert '3 of 3 period-4' in done.stdout
     assert not list(tmp_path.iterdir())
