@@ -139,8 +139,9 @@ def test_wrong_input_is_refused_in_one_line(tmp_path, capsys, arguments, words):
     file.write_text('/**: {ros__parameters: {speed: 0.0}}')
     output = [] if '--output' in arguments else ['--output', str(tmp_path)]
     assert main([*arguments.format(file).split(), *output]) == 2
-    error = capsys.readouterr().err
+    # On a machine that has compiled nothing yet, a line may say before that it does.
+    lines = capsys.readouterr().err.splitlines()
+    (error,) = [line for line in lines if 'compiling the model' not in line]
     assert error.startswith('study: ')
     assert words in error
-    assert error.count('\n') == 1
     assert [path.name for path in tmp_path.iterdir()] == ['standing.yaml']
