@@ -13,6 +13,10 @@ LONG = 2.0
 """Time after which it is said what is going on [s]; with a warm cache it does not come to it."""
 
 
+AGAIN = 0.1
+"""Time after which an interrupt that was lost in the compiler is raised once more [s]."""
+
+
 class Interrupted(BaseException):
     """A signal came while a program compiled, and nothing was open yet."""
 
@@ -45,11 +49,12 @@ def interruptible() -> Iterator[None]:
     def interrupt(number: int, frame: Any) -> None:
         nonlocal came
         came = True
+        # What is raised in a callback from C or a finalizer is only reported, and goes no further.
+        signal.setitimer(signal.ITIMER_REAL, AGAIN)
         raise Interrupted
 
-    numbers = (signal.SIGINT, signal.SIGTERM)
+    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGALRM)
     handlers = [signal.signal(number, interrupt) for number in numbers]
-    # The compiler calls back from C: what is raised there is only reported, and makes it fail.
     report = sys.unraisablehook
     sys.unraisablehook = lambda unraisable: None if came else report(unraisable)
     try:
@@ -58,6 +63,8 @@ def interruptible() -> Iterator[None]:
         if not came:
             raise
     finally:
+        if came:
+            signal.setitimer(signal.ITIMER_REAL, 0)
         sys.unraisablehook = report
         for number, handler in zip(numbers, handlers, strict=True):
             signal.signal(number, handler)

@@ -18,8 +18,15 @@ def test_a_signal_within_a_callback_of_the_compiler_ends_it_too(capfd):
         callback()
         raise RuntimeError('no compiled object yet')
 
+    def long_compiler():
+        callback()
+        time.sleep(10)
+        pytest.fail('the compiler went on')
+
     with pytest.raises(compiling.Interrupted), compiling.interruptible():
         compiler()
+    with pytest.raises(compiling.Interrupted), compiling.interruptible():
+        long_compiler()
     with pytest.raises(compiling.Interrupted), compiling.interruptible():
         callback()
     assert capfd.readouterr().err == ''

@@ -113,7 +113,8 @@ def test_monitor_topics_follow_the_samples(domain, client):
     assert values[50:].std() < 0.02 * rows['mesh_force'].std(dtype=float)
     assert all(each.wrench.force.x == 0 for each in forces)
     assert len(accelerations) > 200
-    assert np.std([each.accel.linear.y for each in accelerations]) < 10
+    # The first blocks hold how the rig swings in.
+    assert np.std([each.accel.linear.y for each in accelerations[50:]]) < 10
 
 
 def test_clock_namespace_and_pace_of_two(domain, client):
