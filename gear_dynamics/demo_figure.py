@@ -12,24 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from gear_dynamics.demo_report import Half
-
-COLOURS = ('#1f6f8b', '#d1495b')
-INK, FAINT = '#22303c', '#c3ccd4'
-
-STYLE = {
-    'font.size': 9,
-    'text.color': INK,
-    'axes.labelcolor': INK,
-    'axes.edgecolor': FAINT,
-    'axes.spines.top': False,
-    'axes.spines.right': False,
-    'axes.titlesize': 10,
-    'axes.titlelocation': 'left',
-    'axes.axisbelow': True,
-    'xtick.color': INK,
-    'ytick.color': INK,
-    'grid.color': '#eef1f4',
-}
+from gear_dynamics.figure_style import COLOURS, INK, STYLE
 
 HIGHEST = 20.0
 """Right end of the spectra [kHz]."""

@@ -107,11 +107,7 @@ def basins(
     for name in EXPONENT_UNITS:
         arrays[name] = joined[name].reshape(size, size, *joined[name].shape[1:])
     states = _states(arrays)
-    further = {
-        '_convergence': convergence_table(
-            states, arrays['convergence'], arrays['convergence_cycles']
-        )
-    }
+    further = {'_convergence': convergence_table(states, arrays)}
     table = _table(states, arrays)
     return Outcome('basins', _text(operation, arrays), table, arrays, UNITS, further)
 

@@ -105,19 +105,20 @@ def exponent_columns(values: np.ndarray, errors: np.ndarray) -> dict[str, np.nda
 
 
 def convergence_table(
-    motions: dict[str, np.ndarray], convergence: np.ndarray, cycles: np.ndarray
+    motions: dict[str, np.ndarray], arrays: dict[str, np.ndarray]
 ) -> dict[str, np.ndarray]:
     """Return the means of all exponents over the first cycles, as a table.
 
     motions : dict of str to (...) array
         Columns that tell the motions apart.
-    convergence, cycles : (..., points, k) and (..., points) arrays
+    arrays : dict of str to array
+        What EXPONENT_UNITS names of all motions; `convergence` is (..., points, k).
     """
-    points, k = convergence.shape[-2:]
-    running = convergence.reshape(-1, k)
+    points, k = arrays['convergence'].shape[-2:]
+    running = arrays['convergence'].reshape(-1, k)
     return {
         **{name: np.repeat(column, points) for name, column in motions.items()},
-        'cycles [cycles]': cycles.ravel(),
+        'cycles [cycles]': arrays['convergence_cycles'].ravel(),
         **{f'exponent_{i + 1} [1/tau]': running[:, i] for i in range(k)},
     }
 

@@ -171,11 +171,7 @@ def response(
     }
     arrays |= {'w': values, 'speed': np.array([each.speed for each in chain])}
     motions = _motions(arrays)
-    further = {
-        '_convergence': convergence_table(
-            motions, arrays['convergence'], arrays['convergence_cycles']
-        )
-    }
+    further = {'_convergence': convergence_table(motions, arrays)}
     table = _table(motions, arrays)
     return Outcome('response', _text(operation, arrays), table, arrays, UNITS, further)
 

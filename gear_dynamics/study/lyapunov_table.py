@@ -12,6 +12,7 @@ import numpy as np
 from gear_dynamics.model.parameter import ParameterError
 from gear_dynamics.study.exponents import (
     AGREE,
+    EXPONENT_UNITS,
     FLOOR,
     Exponents,
     convergence_table,
@@ -30,11 +31,7 @@ from gear_dynamics.study.tasks import Arrays, Runner
 UNITS = {
     'friction': '1',
     'kind': '-',
-    'exponents': '1/tau',
-    'standard_errors': '1/tau',
-    'settled': '1',
-    'convergence': '1/tau',
-    'convergence_cycles': 'cycles',
+    **EXPONENT_UNITS,
     'discarded': 'cycles',
     'nearby': '1/tau',
     'nearby_error': '1/tau',
@@ -294,6 +291,7 @@ def finding_arrays(findings: Sequence[Finding]) -> dict[str, np.ndarray]:
         'settled': np.array([each.settled for each in all_ten]),
         'convergence': np.array([each.convergence for each in all_ten]),
         'convergence_cycles': np.array([each.convergence_cycles for each in all_ten]),
+        'sum_error': np.array([each.sum_error for each in findings]),
         'discarded': np.array([each.discarded for each in all_ten]),
         'nearby': np.array([each.nearby for each in findings]),
         'nearby_error': np.array([each.nearby_error for each in findings]),
@@ -307,4 +305,4 @@ def convergence_of(findings: Sequence[Finding]) -> dict[str, np.ndarray]:
         'friction_coefficient [1]': each['friction'],
         'motion [1]': np.arange(1, len(findings) + 1),
     }
-    return convergence_table(motions, each['convergence'], each['convergence_cycles'])
+    return convergence_table(motions, each)

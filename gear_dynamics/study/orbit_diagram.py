@@ -216,9 +216,7 @@ def _tables(arrays: dict[str, np.ndarray]) -> dict[str, dict[str, np.ndarray]]:
             'delta [b]': delta.ravel(),
             'delta_dot [b wn]': slope.ravel(),
         },
-        '_convergence': convergence_table(
-            motions, arrays['convergence'], arrays['convergence_cycles']
-        ),
+        '_convergence': convergence_table(motions, arrays),
     }
     if has_onset(arrays):
         tables['_onset'] = _onset_table(arrays)

@@ -7,6 +7,7 @@ import numpy as np
 from gear_dynamics.model.cycles import run_cycles
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.run_settings import RunSettings
+from gear_dynamics.study.exponents import EXPONENT_UNITS
 from gear_dynamics.study.judgement import judge, unzip
 from gear_dynamics.study.operation import Operation
 from gear_dynamics.study.tasks import Arrays, Runner, chunks
@@ -21,16 +22,11 @@ UP, DOWN = 0, 1
 
 UNITS = {
     'sections': 'b, b wn',
-    'exponents': '1/tau',
-    'standard_errors': '1/tau',
-    'settled': '1',
-    'convergence': '1/tau',
-    'convergence_cycles': 'cycles',
+    **EXPONENT_UNITS,
     'discarded': 'cycles',
     'kind': '-',
     'period': 'cycles',
     'zero_one': '1',
-    'sum_error': '1',
 }
 """What `measure` returns of each motion."""
 

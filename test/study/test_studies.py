@@ -1,19 +1,16 @@
 import csv
 import importlib
-import math
 import re
 
 import numpy as np
 import pytest
-from study.test_cycles import one_degree_of_freedom, speed_at
+from study.convergence import assert_table_ends_at_the_exponents
 
 from gear_dynamics import study
 from gear_dynamics.study.basin_map import attractors
 from gear_dynamics.study.command import main
 from gear_dynamics.study.exponents import exponents
 from gear_dynamics.study.figures.style import save_figure
-from gear_dynamics.study.frequency_response import contact_is_lost, jumps, rms_of_parts
-from gear_dynamics.study.friction_spectrum import QUANTITIES, RECORD, holds, quantity_rows
 from gear_dynamics.study.initial import states_at
 from gear_dynamics.study.kind import Kind
 from gear_dynamics.study.lyapunov_table import (
@@ -76,18 +73,6 @@ def test_bifurcation_goes_on_from_one_value_to_the_next():
     assert np.abs(outcome.arrays['sum_error']).max() < 1e-6
 
 
-def assert_table_ends_at_the_exponents(outcome):
-    """The means over the whole of a record are the exponents."""
-    exponents, cycles = outcome.arrays['exponents'], outcome.arrays['convergence_cycles']
-    table = outcome.further['_convergence']
-    last = slice(cycles.shape[-1] - 1, None, cycles.shape[-1])
-    for i in range(10):
-        column = table[f'exponent_{i + 1} [1/tau]']
-        assert column[last] == pytest.approx(exponents[..., i].ravel(), rel=1e-9)
-        assert np.array_equal(outcome.table[f'exponent_{i + 1} [1/tau]'], exponents[..., i].ravel())
-    assert np.array_equal(table['cycles [cycles]'][last], cycles[..., -1].ravel())
-
-
 def test_every_motion_of_a_sweep_has_all_exponents_and_a_verdict():
     outcome = study.bifurcation(CHAOS, [0.03], begin=0.5, end=0.6, count=3, cycles=150)
     arrays = outcome.arrays
@@ -107,143 +92,6 @@ def test_every_motion_of_a_sweep_has_all_exponents_and_a_verdict():
         apart = np.abs(arrays['exponents'] - exact)
         errors = 4 * arrays['standard_errors'].max()
         assert np.sort(apart, axis=-1)[..., :2].max() < 5e-4 + errors
-
-
-def test_rows_of_a_known_signal():
-    """Amplitude 3 in the second mesh harmonic on a mean of 5: displacement 3 / omega^2."""
-    cycle_time = 1e-3
-    turn = 2 * np.pi * np.arange(64 * RECORD) / 64
-    from gear_dynamics.model.columns import SAMPLES
-
-    samples = np.zeros(64 * RECORD, SAMPLES)
-    samples['gear_ay'] = 5 + 3 * np.sin(2 * turn)
-    rows = quantity_rows(samples, cycle_time)
-    assert rows['gear_ay'] == pytest.approx([3 / np.sqrt(2), 0, 3, 0, 0, 0], abs=1e-12)
-    expected = 3 / (2 * np.pi * 2000) ** 2
-    assert rows['gear_y'] == pytest.approx([expected / np.sqrt(2), 0, expected, 0, 0, 0], abs=1e-15)
-
-
-def test_friction_moves_the_first_harmonic_as_an_independent_code_saw():
-    """At 1000 rpm the first harmonic of the mesh force falls by a tenth at phi0 = 0 and rises by
-    8 % at 180 deg; the y accelerations fall by 2 to 3 %: an independent event-exact code."""
-    for phase, change in ((0.0, -0.10), (math.pi, 0.08)):
-        operation = study.default_operation().with_value('transmission_error_phase', phase)
-        arrays = study.spectrum(operation, phases=0).arrays
-        force, ay = arrays['mesh_force'], arrays['pinion_ay']
-        assert force[1, 1] / force[0, 1] - 1 == pytest.approx(change, abs=0.01)
-        assert 0.97 < ay[1, 0] / ay[0, 0] < 0.98
-        # x moves by friction alone, and most near its support mode at 3401 Hz, 6 x 566.7 Hz.
-        assert np.all(arrays['ax_lines'][0] == 0)
-        assert arrays['order'][1, arrays['ax_lines'][1].argmax()] == 6
-
-
-def rows_with(**rises):
-    """Rows of a map of one place: zeros without friction, RMS and five harmonics with it."""
-    rows = np.zeros((2, len(QUANTITIES), 6))
-    for name, values in rises.items():
-        rows[1, QUANTITIES.index(name)] = values
-    return rows
-
-
-def test_claims_of_the_source_are_told_apart():
-    """Each of the three can hold without the others."""
-    all_three = {
-        'pinion_ax': [3, 2, 1, 0, 0, 0],
-        'gear_ax': [3, 2, 1, 0, 0, 0],
-        'pinion_ay': [2, 0, 0, 0, 0, 0],
-        'gear_ay': [2, 0, 0, 0, 0, 0],
-        'mesh_force': [5, 4, 3, 2, 1, 0],
-    }
-    names = ('all_directions', 'most_in_x', 'into_first', 'all_claims')
-
-    def verdict(**changes):
-        found = holds(rows_with(**(all_three | changes)))
-        return [bool(found[name]) for name in names]
-
-    assert verdict() == [True, True, True, True]
-    assert verdict(gear_ay=[-1, 0, 0, 0, 0, 0]) == [False, True, True, False]
-    assert verdict(pinion_ay=[4, 0, 0, 0, 0, 0]) == [True, False, True, False]
-    assert verdict(mesh_force=[5, 2, 3, 2, 1, 0]) == [True, True, False, False]
-    assert verdict(mesh_force=[5, -2, -3, -2, -3, -3]) == [True, True, False, False]
-    assert verdict(gear_ax=[3, 1, 2, 0, 0, 0]) == [True, True, False, False]
-
-
-def test_map_has_claims_and_periods():
-    outcome = study.spectrum(
-        study.default_operation(), phases=2, speeds=2, slowest=60.0, fastest=104.72, transient=100
-    )
-    # At 1000 rpm and below the motion follows the mesh without loss of contact.
-    assert np.all(outcome.arrays['map_period'] == 1)
-    assert outcome.arrays['map_most_in_x'].shape == (2, 2)
-    assert len(outcome.further['_map']['speed [rad/s]']) == 4
-    assert 'most in x' in outcome.text
-
-
-def test_response_jumps_where_attractors_end():
-    values, rms = np.arange(6.0), np.array([0.1, 0.11, 0.3, 0.31, 0.7, 1.6])
-    # The last two are chaotic: chance makes their difference.
-    error = np.array([0, 0, 0, 0, 0.03, 0.06])
-    period = np.array([1, 1, 1, 2, 0, 0])
-    assert jumps(values, rms, error, period) == [(1.5, 0.11, 0.3), (3.5, 0.31, 0.7)]
-    # So is that of two that differ by more, if neither has a period.
-    assert len(jumps(values, rms, 0 * error, period)) == 2
-    # A small response jumps as a great one does.
-    assert [each[0] for each in jumps(values, rms / 50, error / 50, period)] == [1.5, 3.5]
-
-
-def test_contact_is_kept_on_either_flank_and_lost_between():
-    least = np.array([1.01, -1.05, 0.99, -1.2, -1.3])
-    greatest = np.array([1.2, -1.01, 1.2, -0.99, 1.3])
-    assert list(contact_is_lost(least, greatest)) == [False, False, True, True, True]
-
-
-def test_response_on_the_back_flank_loses_no_contact():
-    """A load of the other sign presses the back flanks together; below resonance they stay so."""
-    loaded = study.default_operation().with_value('load_torque', -500.0)
-    outcome = study.response(loaded, begin=0.05, end=0.06, count=2, transient=100)
-    assert outcome.arrays['greatest'].max() < -1
-    assert 'contact is first lost' not in outcome.text
-
-
-def test_response_of_the_linear_oscillator_has_the_closed_form_rms():
-    """Fa W^2 / sqrt((1 - W^2)^2 + (2 zeta W)^2) over the square root of 2."""
-    zeta, torque = 0.05, 500.0
-    pair = one_degree_of_freedom(mesh_damping_ratio=zeta, transmission_error_amplitude=1e-6)
-    operation = study.Operation(pair, speed_at(pair, 0.4), torque)
-    arrays = study.response(operation, begin=0.4, end=0.7, count=3, transient=200).arrays
-    w = np.array([0.4, 0.55, 0.7])
-    amplitude = 1e-6 / pair.half_backlash * w**2 / np.hypot(1 - w**2, 2 * zeta * w)
-    assert arrays['rms'] == pytest.approx(np.array([amplitude, amplitude]) / np.sqrt(2), rel=1e-4)
-    assert np.all(arrays['rms_error'] < 1e-12)
-    # Two of the exponents are those of the linear oscillator, -zeta; all keep the sum rule.
-    nearest = np.sort(np.abs(arrays['exponents'] + zeta), axis=-1)[..., :2]
-    assert nearest.max() < 5e-4 + 4 * arrays['standard_errors'].max()
-    assert np.abs(arrays['sum_error']).max() < 1e-6
-    # The spring carries what the damping does not.
-    force = amplitude * np.hypot(1, 2 * zeta * w) * pair.half_backlash * pair.tooth_pair_stiffness
-    assert arrays['force_rms'][0] == pytest.approx(force / np.sqrt(2), rel=1e-4)
-
-
-def test_rms_of_noise_comes_with_its_error():
-    """Of n values of a normal distribution the RMS has a standard error of sigma / sqrt(2 n)."""
-    generator = np.random.default_rng(0)
-    found = []
-    for _ in range(200):
-        parts = generator.normal(3.0, 0.5, (20, 500))
-        moments = parts.mean(axis=1)[np.newaxis], (parts**2).mean(axis=1)[np.newaxis]
-        found.append([float(each[0]) for each in rms_of_parts(*moments)])
-    rms, error = np.mean(found, axis=0)
-    assert rms == pytest.approx(0.5, rel=1e-3)
-    # 200 estimates from 20 parts each: 1.2 % of scatter.
-    assert error == pytest.approx(0.5 / np.sqrt(2 * 20 * 500), rel=0.05)
-
-
-def test_response_of_the_linear_motion_is_the_same_up_and_down():
-    outcome = study.response(study.default_operation(), begin=0.1, end=0.13, count=4, transient=200)
-    assert_table_ends_at_the_exponents(outcome)
-    up, down = outcome.arrays['rms']
-    assert up == pytest.approx(down, rel=1e-4)
-    assert np.all(outcome.arrays['period'] == 1)
 
 
 def test_basins_shares_sum_to_one():

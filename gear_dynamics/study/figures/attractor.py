@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from gear_dynamics.study.figures.style import COLOURS, Arrays, new_figure
+from gear_dynamics.figure_style import COLOURS
+from gear_dynamics.study.figures.style import Arrays, new_figure
 
 
 def draw(arrays: Arrays) -> Figure:

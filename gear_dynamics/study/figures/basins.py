@@ -7,7 +7,8 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from gear_dynamics.study.figures.style import COLOURS, FAINT, Arrays, legend_below, new_figure
+from gear_dynamics.figure_style import COLOURS, FAINT
+from gear_dynamics.study.figures.style import Arrays, legend_below, new_figure
 
 NAMED = len(COLOURS)
 """Attractors with a colour of their own; those that few states reach share one."""

@@ -6,8 +6,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from gear_dynamics.figure_style import COLOURS
 from gear_dynamics.study.chaos_onset import onset
-from gear_dynamics.study.figures.style import COLOURS, Arrays, new_figure, zero_line
+from gear_dynamics.study.figures.style import Arrays, new_figure, zero_line
 from gear_dynamics.study.sweep import DOWN, UP, unit_of
 
 WORDS = ('swept up', 'swept down')

@@ -7,7 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from gear_dynamics.study.figures.style import COLOURS, Arrays, legend_below, new_figure, zero_line
+from gear_dynamics.figure_style import COLOURS
+from gear_dynamics.study.figures.style import Arrays, legend_below, new_figure, zero_line
 
 OTHERS = '#9aa7b2'
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from matplotlib.figure import Figure
 
-from gear_dynamics.study.figures.style import COLOURS, FAINT, Arrays, new_figure
+from gear_dynamics.figure_style import COLOURS, FAINT
+from gear_dynamics.study.figures.style import Arrays, new_figure
 
 
 def draw(arrays: Arrays) -> Figure:

@@ -11,7 +11,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
-from gear_dynamics.study.figures.style import COLOURS, FAINT, INK, Arrays, legend_below, new_figure
+from gear_dynamics.figure_style import COLOURS, FAINT, INK
+from gear_dynamics.study.figures.style import Arrays, legend_below, new_figure
 from gear_dynamics.study.friction_spectrum import QUANTITIES
 
 CLAIMED = {

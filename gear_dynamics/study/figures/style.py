@@ -1,4 +1,4 @@
-"""The look that the figures share."""
+"""What the figures of the studies have in common."""
 
 from __future__ import annotations
 
@@ -12,26 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-COLOURS = ('#1f6f8b', '#d1495b', '#e8a33d', '#5b8e5a')
-INK, FAINT, GRID = '#22303c', '#c3ccd4', '#eef1f4'
-
-STYLE = {
-    'font.size': 9,
-    'text.color': INK,
-    'axes.labelcolor': INK,
-    'axes.edgecolor': FAINT,
-    'axes.spines.top': False,
-    'axes.spines.right': False,
-    'axes.titlesize': 10,
-    'axes.titlelocation': 'left',
-    'axes.axisbelow': True,
-    'axes.grid': True,
-    'axes.prop_cycle': mpl.cycler(color=COLOURS),
-    'xtick.color': INK,
-    'ytick.color': INK,
-    'grid.color': GRID,
-    'legend.frameon': False,
-}
+from gear_dynamics.figure_style import INK, STYLE
 
 Arrays = dict[str, np.ndarray]
 Draw = Callable[[Arrays], Figure]
@@ -46,7 +27,7 @@ def new_figure(width: float, height: float, title: str) -> Figure:
 
 def save_figure(draw: Draw, arrays: Arrays, path: Path) -> None:
     """Draw a figure and write it as PNG."""
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context({**STYLE, 'axes.grid': True}):
         draw(arrays).savefig(path, dpi=130)
 
 
