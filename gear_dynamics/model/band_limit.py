@@ -1,8 +1,11 @@
-"""Band-limited samples: evaluation at four times the rate, a linear-phase FIR, decimation.
+"""Band-limited samples: evaluation at four times the rate or more, a linear-phase FIR, decimation.
 
 Acceleration and force jump at events; sampled as they are, what lies above half the sample rate
 folds back. The filter is a Kaiser-windowed sinc, flat to 20/51.2 of the sample rate and at least
 80 dB down from half the sample rate on.
+
+Below 25 kHz four times the rate would fold the gear pair's own vibration. It is evaluated at
+16, 64, ... times the rate then, and decimated by four again and again.
 
 Even at four times the rate a jump folds: its spectrum falls with 1/f alone. The integrator knows
 every jump of a value and of its first two derivatives, and its instant; each is replaced by the
@@ -14,6 +17,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -36,6 +40,9 @@ from gear_dynamics.model.layout import (
     T,
 )
 from gear_dynamics.model.vector import LANES
+
+EVALUATED = 1e5
+"""Least rate at which the motion is evaluated [Hz]."""
 
 _PASS = 20.0 / 51.2
 _STOP = 0.5
@@ -131,6 +138,14 @@ def _smooth(residuals, jumps, rate, high, first):
                 )
 
 
+def decimations(sample_rate: float) -> int:
+    """Return how often samples are decimated by OVERSAMPLING to come down to a rate [Hz]."""
+    count = 1
+    while sample_rate * OVERSAMPLING**count < EVALUATED:
+        count += 1
+    return count
+
+
 class BandLimiter:
     """Turns samples at OVERSAMPLING times the rate into band-limited samples at the rate.
 
@@ -141,14 +156,19 @@ class BandLimiter:
     Parameters
     ----------
     capacity : int
-        Most samples that `room` is asked for at once.
+        Most samples that are made at once.
     sample_rate : float
-        At which samples are handed out [Hz].
+        Of the samples that are made [Hz].
+    source : callable
+        Fills rows, (n, HIGH_RATE_COLUMNS), with the next samples at the high rate.
     """
 
-    def __init__(self, capacity: int, sample_rate: float) -> None:
-        self.capacity = capacity
+    def __init__(
+        self, capacity: int, sample_rate: float, source: Callable[[np.ndarray], object]
+    ) -> None:
+        self._capacity = capacity
         self._rate = OVERSAMPLING * sample_rate
+        self._source = source
         self._rows = _rows_in_cache_lines(_SPAN + OVERSAMPLING * capacity)
         padding = PADDED_TAPS - TAPS
         self._weights = np.pad(taps(), (0, padding))
@@ -159,26 +179,23 @@ class BandLimiter:
 
     def start(self, first: np.ndarray) -> None:
         """Forget the past; before the run's first sample everything stood as in it."""
-        self._held = TAPS // 2 + 1
+        self._held = TAPS // 2
         self._rows[: self._held] = first
-        self._first = -(TAPS // 2)
+        self._first = -self._held
         self._jumps = self._jumps[:0]
 
     def smooth(self, jumps: np.ndarray) -> None:
         """Take the jumps, (m, ROWS_OF_JUMP, HIGH_RATE_COLUMNS), that the next rows contain."""
         self._jumps = np.concatenate([self._jumps, jumps])
 
-    def room(self, count: int) -> np.ndarray:
-        """Return the rows, at the high rate, that are to be filled for the next `count` samples."""
-        return self._rows[self._held : _SPAN + OVERSAMPLING * (count - 1)]
+    def make(self, samples: np.ndarray, shafts: np.ndarray) -> None:
+        """Fill samples (count, 13) and shafts (count, 2), at most `capacity`, with the next ones.
 
-    def take(self, samples: np.ndarray, shafts: np.ndarray) -> None:
-        """Fill samples (count, 13) and shafts (count, 2) once `room(count)` is filled.
-
-        The result does not depend on how the stream is cut into calls, to the last bit.
+        They do not depend on how the stream is cut into calls, to the last bit.
         """
         count = len(samples)
         filled = _SPAN + OVERSAMPLING * (count - 1)
+        self._source(self._rows[self._held : filled])
         # A jump is applied once all the rows that it changes are there; the filter has used none.
         last = self._first + filled - 1
         due = int(np.searchsorted(self._jumps[:, VALUE, T], last - REACH))
@@ -189,6 +206,14 @@ class BandLimiter:
         self._first += used
         self._held = _SPAN - OVERSAMPLING
         self._rows[: self._held] = self._rows[used : used + self._held]
+
+    def fill(self, rows: np.ndarray) -> None:
+        """Fill rows, (n, HIGH_RATE_COLUMNS), with the next samples: a source for a lower rate."""
+        for begin in range(0, len(rows), self._capacity):
+            part = rows[begin : begin + self._capacity]
+            samples, shafts = np.empty((len(part), GEAR_SPEED)), np.empty((len(part), 2))
+            self.make(samples, shafts)
+            part[:, :GEAR_SPEED], part[:, GEAR_SPEED : DRIVE_TORQUE + 1] = samples, shafts
 
 
 def _rows_in_cache_lines(count: int) -> np.ndarray:
