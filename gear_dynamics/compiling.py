@@ -10,8 +10,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 LONG = 2.0
-"""Time after which it is said what is going on [s]; with a warm cache it does not come to it."""
-
+"""Time after which it is said that a program compiles [s]."""
 
 AGAIN = 0.1
 """Time after which an interrupt that was lost in the compiler is raised once more [s]."""
@@ -22,23 +21,55 @@ class Interrupted(BaseException):
 
 
 @contextlib.contextmanager
+def _compilation() -> Iterator[threading.Event]:
+    """Give what is set when Numba begins to compile; what its cache has is only loaded."""
+    # Not at the top: a program that compiles nothing need not load the compiler.
+    from numba.core import event
+
+    began = threading.Event()
+
+    class Listener(event.Listener):
+        def on_start(self, event: event.Event) -> None:
+            began.set()
+
+        def on_end(self, event: event.Event) -> None:
+            pass
+
+    with event.install_listener('numba:compile', Listener()):
+        yield began
+
+
+@contextlib.contextmanager
 def announced(what: str, say: Callable[[str], object]) -> Iterator[None]:
-    """Say that `what` is compiled if that takes long.
+    """Say that `what` is compiled, if it is and that takes long.
+
+    Nothing is said where all comes from Numba's cache, however long a busy machine takes to load.
 
     Parameters
     ----------
     what : str
     say : callable
-        Is given the line, in another thread.
+        Is given the line, in another thread: LONG after the start, or when the first compilation
+        begins if that is later.
     """
-    line = f'compiling {what} for this machine; only a first start takes this long'
-    notice = threading.Timer(LONG, say, [line])
-    notice.daemon = True
-    notice.start()
-    try:
-        yield
-    finally:
-        notice.cancel()
+    ended = threading.Event()
+    with _compilation() as began:
+
+        def watch() -> None:
+            if ended.wait(LONG):
+                return
+            began.wait()
+            if not ended.is_set():
+                say(f'compiling {what} for this machine; only a first start takes this long')
+
+        watcher = threading.Thread(target=watch, daemon=True)
+        watcher.start()
+        try:
+            yield
+        finally:
+            ended.set()
+            began.set()
+            watcher.join()
 
 
 @contextlib.contextmanager
