@@ -1,12 +1,14 @@
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.signal import lfilter
 from study.flows import BacklashOscillator, ImpactOscillator, lorenz_growth
 from study.test_cycles import one_degree_of_freedom, speed_at
 
 from gear_dynamics.model.cycles import run_cycles
 from gear_dynamics.model.variation import VARIED
 from gear_dynamics.study.exponents import (
+    WIDTHS,
     exponents,
     halves_agree,
     standard_error,
@@ -116,18 +118,51 @@ def test_exponents_are_the_logarithms_of_the_floquet_multipliers():
     assert found.values == pytest.approx(expected, abs=1e-4)
 
 
-def test_standard_error_of_correlated_values():
+def autoregressive(generator, n):
     """AR(1) with coefficient 0.9 and unit noise: the mean of n values has error 10 / sqrt(n)."""
+    return lfilter([1], [1, -0.9], generator.normal(size=n + 200))[200:]
+
+
+def stays(generator, n):
+    """Two values, 1 and -1, kept for 20 steps in the mean: rho = 0.9, and sqrt(19 / n)."""
+    return generator.choice([-1, 1]) * np.cumprod(1 - 2 * (generator.random(n) < 0.05))
+
+
+@pytest.mark.parametrize(
+    ('process', 'expected'),
+    [(lambda generator, n: generator.normal(size=n), 1.0), (autoregressive, 10.0),
+     (stays, np.sqrt(19))],
+)  # fmt: skip
+def test_standard_error_of_processes_with_a_known_one(process, expected):
+    """sigma / sqrt(n) sqrt((1 + rho) / (1 - rho)), but for the largest of three estimates: low in
+    frequency the periodogram of noise is exponential, so that its means are known too."""
     generator = np.random.default_rng(0)
-    errors = []
-    for _ in range(40):
-        noise, x, series = generator.normal(size=20000), 0.0, []
-        for each in noise:
-            x = 0.9 * x + each
-            series.append(x)
-        errors.append(standard_error(np.array(series)))
-    # The mean of 40 estimates from 20 parts each has a relative error of 0.03.
-    assert np.mean(errors) == pytest.approx(10 / np.sqrt(20000), rel=0.1)
+    n, count = 20000, 500
+    errors = np.array([standard_error(process(generator, n)) for _ in range(count)])
+    ordinates = generator.exponential(size=(100_000, max(WIDTHS)))
+    square = np.max([ordinates[:, :width].mean(axis=1) for width in WIDTHS], axis=0)
+    # The mean square of 500 is known to 3 %.
+    found = np.mean(errors**2) * n / expected**2
+    assert found == pytest.approx(square.mean(), abs=4 * square.std() / np.sqrt(count))
+
+
+def test_standard_error_of_periodic_rates_is_that_of_the_period_that_is_not_whole():
+    period = np.array([0.3, -0.1, 0.2, -0.4])
+    assert standard_error(np.full(150, -0.3)) < 1e-16
+    assert standard_error(np.tile(period, 38) - 0.3) < 1e-16
+    # Two more values than whole periods: 0.2 over 150. The frequencies are not quite zero.
+    rates = np.tile(period, 38)[:150]
+    assert rates.mean() == pytest.approx(0.2 / 150)
+    assert standard_error(rates) == pytest.approx(0.2 / 150, rel=0.5)
+
+
+def test_standard_errors_are_in_the_order_of_their_exponents():
+    rates = np.random.default_rng(4).normal([-1.0, 1.0], [0.01, 1.0], (400, 2))
+    found = exponents(rates, 1.0)
+    assert found.values == pytest.approx([1.0, -1.0], abs=0.2)
+    # 1 and 0.01 over sqrt(400), each known to a factor of two.
+    assert 0.025 < found.standard_errors[0] < 0.1
+    assert 0.00025 < found.standard_errors[1] < 0.001
 
 
 def test_transient_is_found():
@@ -139,6 +174,24 @@ def test_transient_is_found():
     cut = transient(begun)
     assert cut >= 400
     assert halves_agree(begun[cut:]).all()
+
+
+def test_what_no_transient_begins_is_kept():
+    """A cut where the record looks best would state errors too small."""
+    generator = np.random.default_rng(5)
+    for _ in range(50):
+        assert transient(autoregressive(generator, 1000)[:, np.newaxis]) == 0
+
+
+def test_transient_of_another_exponent_than_the_largest_is_found():
+    """The halves of the whole differ in it, though the largest is known best from the whole."""
+    rates = np.random.default_rng(6).normal(size=(4000, 2))
+    rates[:900, 1] += 5
+    rates[900:1800, 1] += 2
+    errors = [standard_error(rates[begin:, 0]) for begin in (250, 500, 1000, 2000)]
+    assert standard_error(rates[:, 0]) < min(errors)
+    assert list(halves_agree(rates)) == [True, False]
+    assert halves_agree(rates[transient(rates) :]).all()
 
 
 def test_chaos_that_dies_within_the_record_is_dropped_as_a_transient():
