@@ -76,19 +76,21 @@ def _disk_words(error: OSError, output: Path) -> str:
 
 def _run(arguments: argparse.Namespace) -> None:
     from gear_dynamics import study
+    from gear_dynamics.study.lock import alone
 
     values = _checked_values(arguments)
     operation = _operation(arguments)
-    _refuse_existing(arguments)
-    parts = arguments.output / f'.{arguments.study}_parts'
-    with contextlib.closing(
-        study.Runner(parts, arguments.cluster, progress=not arguments.quiet)
-    ) as runner:
-        if arguments.cluster in (None, 'local'):
-            _compile()
-        outcome = getattr(study, arguments.study)(operation, runner=runner, **values)
-    paths = _write(arguments, outcome)
-    runner.forget()
+    with alone(arguments.output, arguments.study):
+        _refuse_existing(arguments)
+        parts = arguments.output / f'.{arguments.study}_parts'
+        with contextlib.closing(
+            study.Runner(parts, arguments.cluster, progress=not arguments.quiet)
+        ) as runner:
+            if arguments.cluster in (None, 'local'):
+                _compile()
+            outcome = getattr(study, arguments.study)(operation, runner=runner, **values)
+        paths = _write(arguments, outcome)
+        runner.forget()
     print(outcome.text)
     if runner.taken:
         count = runner.taken + runner.computed

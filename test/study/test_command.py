@@ -20,10 +20,14 @@ COMMAND = ['basins', '--size', str(ROWS), '--transient', '400', '--quiet']
 STOPPED = 'study: stopped; the same command goes on from what is finished'
 
 
-def start(output, **how):
-    command = [sys.executable, '-m', 'gear_dynamics', 'study', *COMMAND, '--output', str(output)]
+def start(output, *options, **how):
+    command = [sys.executable, '-m', 'gear_dynamics', 'study', *COMMAND, *options]
     return subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **how
+        [*command, '--output', str(output)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        **how,
     )
 
 
@@ -58,6 +62,8 @@ def test_a_stopped_study_goes_on_and_loses_nothing(whole, tmp_path):
             assert last_line(errors) == STOPPED
     kept = finished(tmp_path)
     assert 9 <= kept < ROWS
+    # What carried the lock of the killed one.
+    assert (tmp_path / '.basins_lock').exists()
     with start(tmp_path) as process:
         output, errors = process.communicate()
     assert process.returncode == 0, errors
@@ -69,6 +75,27 @@ def test_a_stopped_study_goes_on_and_loses_nothing(whole, tmp_path):
     names = sorted(path.name for path in tmp_path.iterdir())
     files = ['basins.csv', 'basins.npz', 'basins.png', 'basins.txt', 'basins_convergence.csv']
     assert names == files
+
+
+def test_a_second_study_in_the_folder_is_refused_and_the_first_goes_on(whole, tmp_path):
+    """With the same arguments, and with others."""
+    with start(tmp_path) as first:
+        while finished(tmp_path) < 1:
+            assert first.poll() is None
+            time.sleep(0.01)
+        for others in ([], ['--transient', '3']):
+            with start(tmp_path, *others) as second:
+                errors = second.communicate()[1]
+            assert second.returncode == 2
+            assert errors == (
+                f'study: {tmp_path}: another study basins is at work there: wait for its end, or '
+                'name another directory with --output\n'
+            )
+        assert first.poll() is None
+        output, errors = first.communicate()
+    assert first.returncode == 0, errors
+    assert output.startswith(whole.text)
+    assert not list(tmp_path.glob('.*'))
 
 
 def test_a_full_disk_leaves_no_half_of_a_result_and_loses_nothing(whole, tmp_path):
