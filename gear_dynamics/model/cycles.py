@@ -17,6 +17,7 @@ from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.kernel import borrowed, kernel
 from gear_dynamics.model.layout import (
     DELTA,
+    PSI,
     Q_SUM,
     SEG_FORCE,
     SEG_FRICTION,
@@ -40,6 +41,25 @@ SECTION_DELTA, SECTION_DELTA_DOT, SECTION_STATE = 0, 1, 2
 
 _SECTION_COLUMNS = SECTION_STATE + STATES
 
+_BODY_COLUMNS = (
+    'pinion_x',
+    'pinion_y',
+    'gear_x',
+    'gear_y',
+    'psi',
+    'pinion_vx',
+    'pinion_vy',
+    'gear_vx',
+    'gear_vy',
+    'psi_dot',
+    'psi_acceleration',
+    'delta_acceleration',
+)
+
+BODIES = np.dtype([(name, np.float64) for name in _BODY_COLUMNS])
+"""What the bodies do beside the columns of a sample: displacements and psi [m], their rates [m/s],
+psi'' and delta'' [m/s2]."""
+
 
 class Cycles(NamedTuple):
     """What n gear pairs did over a number of mesh cycles.
@@ -51,6 +71,8 @@ class Cycles(NamedTuple):
     states : (n, STATES) array
         At the end, where a cycle begins: give them to go on from there.
     samples : (n, cycles * samples_per_cycle) array of SAMPLES
+    bodies : (n, cycles * samples_per_cycle) array of BODIES
+        At the instants of the samples; (n, 0) if not asked for.
     vectors : (n, k, VARIED) array
         The variations at the end.
     growth : (n, cycles, k) array
@@ -64,6 +86,7 @@ class Cycles(NamedTuple):
     sections: np.ndarray
     states: np.ndarray
     samples: np.ndarray
+    bodies: np.ndarray
     vectors: np.ndarray
     growth: np.ndarray
     divergence: np.ndarray
@@ -81,6 +104,18 @@ def _write_section(motion, section):
         section[SECTION_STATE + j] = point[0, j]
         section[SECTION_STATE + 6 + j] = point[1, j]
     section[SECTION_STATE + 12] = point[0, Q_SUM]
+
+
+@kernel
+def _write_bodies(motion, bodies, first, count):
+    """Write the rows of BODIES at the samples that were written last, off the same series."""
+    point, times = motion.point, motion.times
+    for i in range(count):
+        columns_at(motion.series, times[i], point)
+        for j in range(5):
+            bodies[first + i, j], bodies[first + i, 5 + j] = point[0, j], point[1, j]
+        columns_at(motion.rates, times[i], point)
+        bodies[first + i, 10], bodies[first + i, 11] = point[1, PSI], point[1, DELTA]
 
 
 @kernel
@@ -112,7 +147,7 @@ def _vary_contact(motion, zones, profiles, length, vectors):
 
 
 @kernel
-def run_cycle(motion, zones, profiles, section, vectors, growth, divergence, out):
+def run_cycle(motion, zones, profiles, section, vectors, growth, divergence, out, bodies):
     """Advance to the beginning of the next mesh cycle."""
     clock = motion.clock
     cycle = clock.cycle
@@ -123,8 +158,12 @@ def run_cycle(motion, zones, profiles, section, vectors, growth, divergence, out
         if not math.isfinite(motion.series[1, DELTA] + clock.length):
             return stepper.NOT_FINITE
         while clock.sample < out.shape[0]:
-            if write_due_samples(motion, 1, out, clock.sample) == 0:
+            first = clock.sample
+            count = write_due_samples(motion, 1, out, first)
+            if count == 0:
                 break
+            if bodies.shape[0] > 0:
+                _write_bodies(motion, bodies, first, count)
         if vectors.shape[0] > 0:
             divergence[0] += _vary(motion, vectors)
         length = clock.length
@@ -142,7 +181,17 @@ def run_cycle(motion, zones, profiles, section, vectors, growth, divergence, out
 
 @numba.njit(cache=True, parallel=True, error_model='numpy')
 def _run_all(
-    records, zones, profiles, zone_counts, sections, vectors, growth, divergence, out, status
+    records,
+    zones,
+    profiles,
+    zone_counts,
+    sections,
+    vectors,
+    growth,
+    divergence,
+    out,
+    bodies,
+    status,
 ):
     for i in numba.prange(status.size):
         for cycle in range(sections.shape[1]):
@@ -155,6 +204,7 @@ def _run_all(
                 borrowed(growth)[i, cycle],
                 borrowed(divergence)[i, cycle : cycle + 1],
                 borrowed(out)[i],
+                borrowed(bodies)[i],
             )
             if status[i] != stepper.DONE:
                 break
@@ -183,6 +233,7 @@ def run_cycles(
     vectors: np.ndarray | None = None,
     orthogonal: bool = True,
     samples_per_cycle: int = 0,
+    with_bodies: bool = False,
     drive: bool = False,
     section_phase: float = 0.5,
     rtol: float = 1e-9,
@@ -207,6 +258,8 @@ def run_cycles(
         the variations from the unit matrix become the monodromy matrix.
     samples_per_cycle : int
         Samples at equal distances in each cycle, the first at its beginning.
+    with_bodies : bool
+        Return what the bodies do at the samples too.
     drive : bool
         True runs the full form of docs/model.md.
     section_phase : float
@@ -242,6 +295,7 @@ def run_cycles(
         sections=np.zeros((n, cycles, _SECTION_COLUMNS)),
         states=motion.records['state'],
         samples=np.zeros((n, cycles * samples_per_cycle), SAMPLES),
+        bodies=np.zeros((n, cycles * samples_per_cycle if with_bodies else 0), BODIES),
         vectors=vectors,
         growth=np.zeros((n, cycles, vectors.shape[1] if orthogonal else 0)),
         divergence=np.zeros((n, cycles)),
@@ -257,6 +311,7 @@ def run_cycles(
         result.growth,
         result.divergence,
         rows,
+        result.bodies.view(np.float64).reshape(n, -1, len(_BODY_COLUMNS)),
         status,
     )
     refuse_failure(status, motion.records)

@@ -38,7 +38,7 @@ def _bring_back(motion, base):
 def _run_pairs(records, zones, profiles, zone_counts, growth, status):
     for i in numba.prange(growth.shape[0]):
         base, near = 2 * i, 2 * i + 1
-        section, out = np.empty(32), np.empty((0, 16))
+        section, nothing = np.empty(32), np.empty((0, 16))
         vectors, none = np.empty((0, VARIED)), np.empty(0)
         for cycle in range(growth.shape[1]):
             for j in range(base, near + 1):
@@ -50,7 +50,8 @@ def _run_pairs(records, zones, profiles, zone_counts, growth, status):
                     vectors,
                     none,
                     none,
-                    out,
+                    nothing,
+                    nothing,
                 )
             if status[base] != stepper.DONE or status[near] != stepper.DONE:
                 break

@@ -9,21 +9,45 @@ import numpy as np
 
 from gear_dynamics.analysis.regime import recurrence_period
 from gear_dynamics.model.cycles import run_cycles
-from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.parameter import ParameterError
+from gear_dynamics.study.harmonics import (
+    DRAWN,
+    HARMONICS,
+    row_of,
+    row_of_slope,
+    slope_harmonics,
+)
 from gear_dynamics.study.initial import scattered_states
 from gear_dynamics.study.judgement import unzip
-from gear_dynamics.study.kind import LONGEST_PERIOD, RECURS
+from gear_dynamics.study.kind import LONGEST_PERIOD, PERIOD, RECURS
+from gear_dynamics.study.lyapunov_table import with_frictions
 from gear_dynamics.study.operation import Operation
 from gear_dynamics.study.outcome import Outcome
 from gear_dynamics.study.tasks import Arrays, Runner, chunks
 
-HARMONICS = 5
-
 ACCELERATIONS = ('pinion_ax', 'pinion_ay', 'gear_ax', 'gear_ay')
 QUANTITIES = (*ACCELERATIONS, 'delta', 'mesh_force', 'friction_force')
 
-RELATIVE = {'psi': 'm', 'psi_acceleration': 'm/s2', 'delta_acceleration': 'm/s2'}
-"""What the table of the full form has of the wheels' rotation and their approach beside delta."""
+BODY_UNITS = {
+    'pinion_x': 'm',
+    'pinion_y': 'm',
+    'gear_x': 'm',
+    'gear_y': 'm',
+    'psi': 'm',
+    'psi_acceleration': 'm/s2',
+    'delta_acceleration': 'm/s2',
+}
+"""What the table of the full form has of the bodies beside QUANTITIES."""
+
+RATES = {
+    'pinion_ax': 'pinion_vx',
+    'pinion_ay': 'pinion_vy',
+    'gear_ax': 'gear_vx',
+    'gear_ay': 'gear_vy',
+    'psi_acceleration': 'psi_dot',
+    'delta_acceleration': 'delta_dot',
+}
+"""What the accelerations of that table are the slopes of."""
 
 OTHER_UNITS = {'delta': 'm', 'mesh_force': 'N', 'friction_force': 'N'}
 
@@ -45,6 +69,8 @@ CLAIMS = {
 
 UNITS = {
     'friction': '1',
+    'period': 'cycles',
+    'cycles': 'cycles',
     'order': '1',
     'ax_lines': 'm/s2',
     'ay_lines': 'm/s2',
@@ -56,13 +82,13 @@ UNITS = {
 }
 
 RECORD = 32
-"""Mesh cycles in a record."""
+"""Mesh cycles in a record, or the most that are whole periods of the motion."""
 
 TABLE_SAMPLES, MAP_SAMPLES = 8192, 256
 """Samples in a mesh cycle; the forces jump, so that what folds back falls as one over this."""
 
 RECURS_IN = 128
-"""Mesh cycles, the last of which are the record, in which a motion of the map is seen to recur."""
+"""Mesh cycles, the last of which are the record, in which a motion is seen to recur."""
 
 DRIVE_SETTLES = 5000
 """Mesh cycles before the record of the full form, in which the drive takes up the mean loss."""
@@ -70,59 +96,15 @@ DRIVE_SETTLES = 5000
 AT_ONCE = 60
 
 
-def quantity_rows(samples: np.ndarray, cycle_time: float) -> dict[str, np.ndarray]:
-    """Return RMS about the mean and peak amplitudes of harmonics 1 to HARMONICS, by quantity.
+def recurrence(operation: Operation, sections: np.ndarray) -> tuple[int, int]:
+    """Return the period of a motion, 0 without one, and of how many cycles its record is.
 
-    Displacements are the accelerations over the square of each line's frequency, as holds for a
-    motion that repeats within the record.
-
-    Parameters
-    ----------
-    samples : (n,) array of SAMPLES
-        Over RECORD whole mesh cycles.
-    cycle_time : float
-        Length of a mesh cycle [s].
+    sections : (cycles, ...) array
+        As `run_cycles` has them, up to the end of the record of RECORD cycles.
     """
-    rows = {}
-    turn = _frequencies(len(samples), cycle_time)
-    for name in QUANTITIES:
-        lines = _amplitudes(samples[name])
-        rows[name] = _row(lines)
-        if name in ACCELERATIONS:
-            divided = np.zeros_like(lines)
-            divided[1:] = lines[1:] / turn[1:] ** 2
-            rows[name.replace('_a', '_')] = _row(divided)
-    return rows
-
-
-def relative_rows(samples: np.ndarray, pair: GearPair, cycle_time: float) -> dict[str, np.ndarray]:
-    """Return rows as `quantity_rows` does, of psi = rb1 th1 - rb2 th2 and by the names of RELATIVE.
-
-    Accelerations come from the lines of psi and of delta_dot: no sample has them.
-    """
-    turn = _frequencies(len(samples), cycle_time)
-    psi = pair.derived.pinion_base_radius * np.unwrap(samples['pinion_angle'])
-    psi -= pair.derived.gear_base_radius * np.unwrap(samples['gear_angle'])
-    lines = _amplitudes(psi)
-    return {
-        'psi': _row(lines),
-        'psi_acceleration': _row(lines * turn**2),
-        'delta_acceleration': _row(_amplitudes(samples['delta_dot']) * turn),
-    }
-
-
-def _amplitudes(values: np.ndarray) -> np.ndarray:
-    return 2 * np.abs(np.fft.rfft(values)) / len(values)
-
-
-def _frequencies(count: int, cycle_time: float) -> np.ndarray:
-    """Return the angular frequencies of the lines of a record of `count` samples [rad/s]."""
-    return 2 * math.pi / (RECORD * cycle_time) * np.arange(count // 2 + 1)
-
-
-def _row(lines: np.ndarray) -> np.ndarray:
-    harmonics = lines[RECORD : (HARMONICS + 1) * RECORD : RECORD]
-    return np.array([math.sqrt(float((lines[1:] ** 2).sum()) / 2), *harmonics])
+    scaled = operation.scaled(sections[-RECURS_IN:])
+    period, _ = recurrence_period(scaled, RECURS, LONGEST_PERIOD)
+    return period, RECORD // period * period if period else RECORD
 
 
 def table_task(operation: Operation) -> Arrays:
@@ -130,15 +112,30 @@ def table_task(operation: Operation) -> Arrays:
     pairs = [operation.pair]
     run = (pairs, operation.speed, operation.load_torque)
     before = run_cycles(*run, DRIVE_SETTLES, drive=True)
+    # A cycle more, for what rates have come to at the end.
     after = run_cycles(
-        *run, RECORD, states=before.states, drive=True, samples_per_cycle=TABLE_SAMPLES
+        *run,
+        RECORD + 1,
+        states=before.states,
+        drive=True,
+        samples_per_cycle=TABLE_SAMPLES,
+        with_bodies=True,
     )
-    samples, cycle_time = after.samples[0], float(after.period[0])
-    rows = quantity_rows(samples, cycle_time) | relative_rows(samples, operation.pair, cycle_time)
-    lines, y_lines = _amplitudes(samples['pinion_ax']), _amplitudes(samples['pinion_ay'])
-    orders = np.arange(len(lines)) / RECORD
-    shown = orders <= 20
-    return rows | {'order': orders[shown], 'ax_lines': lines[shown], 'ay_lines': y_lines[shown]}
+    sections = np.concatenate([before.sections[0], after.sections[0]])
+    period, cycles = recurrence(operation, sections)
+    end, duration = cycles * TABLE_SAMPLES, cycles * float(after.period[0])
+    samples, bodies = after.samples[0], after.bodies[0]
+    found = {name: samples[name] for name in (*QUANTITIES, 'delta_dot')}
+    found |= {name: bodies[name] for name in bodies.dtype.names}
+    rows = {name: row_of(found[name][:end], cycles) for name in _quantities() if name not in RATES}
+    for name, rate in RATES.items():
+        rows[name] = row_of_slope(found[name][:end], found[rate][: end + 1], cycles, duration)
+    return rows | {
+        'period': np.array(period),
+        'cycles': np.array(cycles),
+        'ax_lines': slope_harmonics(found['pinion_vx'][: end + 1], cycles, duration),
+        'ay_lines': slope_harmonics(found['pinion_vy'][: end + 1], cycles, duration),
+    }
 
 
 def map_task(operations: list[Operation], transient: int) -> Arrays:
@@ -152,19 +149,13 @@ def map_task(operations: list[Operation], transient: int) -> Arrays:
     after = run_cycles(
         pairs, speeds, torques, RECORD, states=before.states, samples_per_cycle=MAP_SAMPLES
     )
+    sections = np.concatenate([before.sections, after.sections], axis=1)
+    found = [recurrence(*each) for each in zip(operations, sections, strict=True)]
     rows = [
-        quantity_rows(samples, float(period))
-        for samples, period in zip(after.samples, after.period, strict=True)
+        [row_of(samples[name][: cycles * MAP_SAMPLES], cycles) for name in QUANTITIES]
+        for samples, (_, cycles) in zip(after.samples, found, strict=True)
     ]
-    sections = np.concatenate([before.sections, after.sections], axis=1)[:, -RECURS_IN:]
-    periods = [
-        recurrence_period(each.scaled(section), RECURS, LONGEST_PERIOD)[0]
-        for each, section in zip(operations, sections, strict=True)
-    ]
-    return {
-        'rows': np.array([[row[name] for name in QUANTITIES] for row in rows]),
-        'period': np.array(periods),
-    }
+    return {'rows': np.array(rows), 'period': np.array([period for period, _ in found])}
 
 
 def spectrum(
@@ -196,44 +187,54 @@ def spectrum(
     Raises
     ------
     ParameterError
-        If a value is out of its range.
+        If a value is out of its range, or the friction coefficients are not two different ones.
     """
+    if len(frictions) != 2:
+        raise ParameterError(f'{len(frictions)} friction coefficients are given: give two')
     runner = runner or Runner()
-    rubbing = [operation.with_value('friction_coefficient', mu) for mu in frictions]
+    rubbing = with_frictions(operation, frictions)
+    angles = np.linspace(-math.pi, math.pi, phases, endpoint=False)
+    grid = np.linspace(slowest, fastest, speeds)
+    # Before anything is computed, so that a speed out of range is refused at once.
+    places = _places(rubbing, angles, grid)
     results = runner.run(table_task, [{'operation': each} for each in rubbing], 'spectra')
-    arrays = {name: np.array([result[name] for result in results]) for name in results[0]} | {
-        'friction': np.array(frictions)
-    }
+    arrays = {name: np.array([result[name] for result in results]) for name in results[0]}
+    arrays |= {'friction': np.array(frictions), 'order': np.arange(1, DRAWN + 1)}
     further = {}
-    if phases and speeds:
-        grid = np.linspace(slowest, fastest, speeds)
-        arrays |= _map(rubbing, phases, grid, transient, runner)
+    if places:
+        arrays |= {'map_phase': angles, 'map_speed': grid}
+        arrays |= _map(places, (len(rubbing), phases, speeds), transient, runner)
         further = {'_map': _map_table(arrays)}
-    units = dict(_quantities()) | UNITS
+    units = _quantities() | UNITS
     return Outcome('spectrum', _text(operation, arrays), _table(arrays), arrays, units, further)
 
 
-def _map(
-    rubbing: Sequence[Operation], phases: int, speeds: np.ndarray, transient: int, runner: Runner
-) -> dict[str, np.ndarray]:
-    angles = np.linspace(-math.pi, math.pi, phases, endpoint=False)
-    operations = [
+def _places(
+    rubbing: Sequence[Operation], angles: np.ndarray, speeds: np.ndarray
+) -> list[Operation]:
+    """Return what is run for the map: each friction at each phase and speed."""
+    return [
         each.with_value('transmission_error_phase', float(angle)).with_value('speed', float(speed))
         for each in rubbing
         for angle in angles
         for speed in speeds
     ]
+
+
+def _map(
+    places: list[Operation], shape: tuple[int, int, int], transient: int, runner: Runner
+) -> dict[str, np.ndarray]:
+    """Return rows, periods and claims; shape : frictions, phases and speeds of the places."""
     arguments = [
-        {'operations': operations[part], 'transient': max(transient, RECURS_IN - RECORD)}
-        for part in chunks(len(operations), AT_ONCE)
+        {'operations': places[part], 'transient': max(transient, RECURS_IN - RECORD)}
+        for part in chunks(len(places), AT_ONCE)
     ]
     results = runner.run(map_task, arguments, 'map')
     rows = np.concatenate([result['rows'] for result in results])
-    rows = rows.reshape(len(rubbing), phases, len(speeds), len(QUANTITIES), HARMONICS + 1)
-    period = np.concatenate([result['period'] for result in results])
-    period = period.reshape(len(rubbing), phases, len(speeds))
-    found = {'map': rows, 'map_phase': angles, 'map_speed': speeds, 'map_period': period}
-    return found | {f'map_{name}': where for name, where in holds(rows).items()}
+    rows = rows.reshape(*shape, len(QUANTITIES), HARMONICS + 1)
+    period = np.concatenate([result['period'] for result in results]).reshape(shape)
+    claims = {f'map_{name}': where for name, where in holds(rows).items()}
+    return {'map': rows, 'map_period': period} | claims
 
 
 def holds(rows: np.ndarray) -> dict[str, np.ndarray]:
@@ -277,39 +278,60 @@ def _text(operation: Operation, arrays: dict[str, np.ndarray]) -> str:
         f'phi0 = {math.degrees(operation.pair.transmission_error_phase):g} deg: '
         f'mu = {with_friction:g} against mu = {without:g}',
     ]
-    for name, unit in _quantities():
+    lines += [_record_words(arrays, i) for i in range(2)]
+    for name, unit in _quantities().items():
         before, after = arrays[name]
         change = f'{after[0] / before[0] - 1:+.1%}' if before[0] > 0 else 'none without friction'
         first = f', first harmonic {after[1] / before[1] - 1:+.1%}' if before[1] > 0 else ''
         lines.append(f'  {name:18s} RMS {before[0]:.4g} -> {after[0]:.4g} {unit} ({change}){first}')
     if arrays['ax_lines'][1].any():
-        leads = arrays['order'][1, int(arrays['ax_lines'][1][1:].argmax()) + 1]
-        lines.append(f"  the pinion's x acceleration is led by mesh harmonic {leads:g}")
+        leads = arrays['order'][arrays['ax_lines'][1].argmax()]
+        lines.append(
+            f"  of mesh harmonics 1 to {DRAWN} number {leads} leads the pinion's x acceleration"
+        )
     if 'map' in arrays:
         lines += _claims_text(arrays)
     return '\n'.join(lines)
 
 
+def _record_words(arrays: dict[str, np.ndarray], i: int) -> str:
+    """Return in words of what record the figures of friction i are."""
+    mu, period, cycles = (arrays[name][i] for name in ('friction', 'period', 'cycles'))
+    if period:
+        return f'mu = {mu:g}: {PERIOD}{period}; the figures are of {cycles} mesh cycles'
+    return (
+        f'mu = {mu:g}: no period: these figures show chance as well; they are of {cycles} mesh '
+        'cycles'
+    )
+
+
+def regular_places(arrays: dict[str, np.ndarray]) -> np.ndarray:
+    """Return where in the map both motions have a period, (phases, speeds)."""
+    return np.all(arrays['map_period'] > 0, axis=0)
+
+
 def _claims_text(arrays: dict[str, np.ndarray]) -> list[str]:
-    regular = (arrays['map_period'] > 0).all(axis=0)
-    return [
+    regular = regular_places(arrays)
+    lines = [
         f'over {arrays["map_phase"].size} phases and {arrays["map_speed"].size} speeds; of these '
         f'{regular.mean():.0%} where both motions have a period',
-        *(
-            f'  {words}: at {arrays[f"map_{name}"].mean():.0%}, of those with a period '
-            f'{arrays[f"map_{name}"][regular].mean():.0%}'
-            for name, words in CLAIMS.items()
-        ),
     ]
+    for name, words in CLAIMS.items():
+        where = arrays[f'map_{name}']
+        telling = f', of those with a period {where[regular].mean():.0%}' if regular.any() else ''
+        lines.append(f'  {words}: at {where.mean():.0%}{telling}')
+    return lines
 
 
-def _quantities() -> list[tuple[str, str]]:
-    found = []
+def _quantities() -> dict[str, str]:
+    """Return the units of what the table has."""
+    found = {}
     for name in QUANTITIES:
-        found.append((name, OTHER_UNITS.get(name, 'm/s2')))
+        found[name] = OTHER_UNITS.get(name, 'm/s2')
         if name in ACCELERATIONS:
-            found.append((name.replace('_a', '_'), 'm'))
-    return [*found, *RELATIVE.items()]
+            body = name.replace('_a', '_')
+            found[body] = BODY_UNITS[body]
+    return found | BODY_UNITS
 
 
 def _table(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -319,8 +341,10 @@ def _table(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     columns = {
         'figure [-]': np.repeat(figures, len(frictions)),
         'friction_coefficient [1]': np.tile(frictions, len(figures)),
+        'period [cycles]': np.tile(arrays['period'], len(figures)),
+        'record [cycles]': np.tile(arrays['cycles'], len(figures)),
     }
-    for name, unit in _quantities():
+    for name, unit in _quantities().items():
         values = arrays[name]
         with np.errstate(divide='ignore', invalid='ignore'):
             change = np.where(values[0] > 0, values / values[0] - 1, math.nan)

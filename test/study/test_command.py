@@ -154,6 +154,7 @@ def test_a_result_that_exists_is_not_overwritten(tmp_path, capsys, file):
         ('lyapunov --frictions 0 -1', 'friction_coefficient is -1.0: it must be a finite number'),
         ('lyapunov --frictions 0 0', 'friction_coefficient 0 is given 2 times: give it once'),
         ('attractor --frictions 0 0.1 0.1', 'friction_coefficient 0.1 is given 2 times'),
+        ('spectrum --frictions 0.03 0.03', 'friction_coefficient 0.03 is given 2 times'),
         ('bifurcation --frictions 0 0', 'friction_coefficient 0 is given 2 times'),
         ('attractor --set friction_coefficient=0.1', 'have no effect: give attractor --frictions'),
         ('spectrum --set load_torque=nan', 'load_torque is nan: it must be a finite number'),

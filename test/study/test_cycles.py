@@ -71,6 +71,25 @@ def test_samples_of_a_cycle_are_those_of_the_simulator():
         assert np.allclose(run.samples[0][name], expected[name], rtol=1e-9, atol=1e-12), name
 
 
+def test_bodies_are_those_of_the_samples():
+    """psi by the angles, accelerations by the samples' own and by second differences."""
+    run = run_cycles([PAIR], SPEED, TORQUE, 10, samples_per_cycle=4096, with_bodies=True)
+    samples, bodies, step = run.samples[0], run.bodies[0], run.period[0] / 4096
+    derived = PAIR.derived
+    psi = derived.pinion_base_radius * np.unwrap(samples['pinion_angle'])
+    psi -= derived.gear_base_radius * np.unwrap(samples['gear_angle'])
+    # Angles begin anywhere in a turn; rounding of them.
+    assert np.allclose(bodies['psi'] - bodies['psi'][0], psi - psi[0], rtol=0, atol=1e-15)
+    for name in ('pinion_x', 'pinion_y', 'gear_x', 'gear_y'):
+        differences = np.diff(bodies[name], 2) / step**2
+        exact = samples[name.replace('_', '_a')][1:-1]
+        # Beside a jump differences see half of it; few samples lie there.
+        assert np.median(np.abs(differences - exact)) < 1e-4 * exact.std()
+    for name, values in (('psi', bodies['psi']), ('delta', samples['delta'])):
+        exact = bodies[f'{name}_acceleration'][1:-1]
+        assert np.median(np.abs(np.diff(values, 2) / step**2 - exact)) < 1e-4 * exact.std()
+
+
 @pytest.mark.parametrize('mu', [0.0, 0.08])
 @pytest.mark.parametrize('in_gap', [False, True])
 def test_variations_are_the_differences_of_nearby_motions(mu, in_gap):

@@ -2,33 +2,15 @@ import numpy as np
 import pytest
 
 from gear_dynamics import study
-from gear_dynamics.model.columns import SAMPLES
+from gear_dynamics.model.cycles import run_cycles
 from gear_dynamics.study.friction_spectrum import (
+    DRIVE_SETTLES,
     QUANTITIES,
     RECORD,
+    TABLE_SAMPLES,
     holds,
-    quantity_rows,
-    relative_rows,
+    recurrence,
 )
-
-
-def test_relative_rows_of_a_known_signal():
-    """The pinion swings by 1 mrad in the second mesh harmonic: psi by rb1 of that, its acceleration
-    by omega^2 times as much; delta_dot by 3 m/s in the third, delta'' by omega times as much."""
-    pair, cycle_time, count = study.default_operation().pair, 1e-3, 64 * RECORD
-    turn = 2 * np.pi * np.arange(count) / 64
-    samples = np.zeros(count, SAMPLES)
-    samples['pinion_angle'] = (turn / 34 + 1e-3 * np.sin(2 * turn)) % (2 * np.pi)
-    samples['gear_angle'] = turn / 59 % (2 * np.pi)
-    samples['delta_dot'] = 7 + 3 * np.sin(3 * turn)
-    rows = relative_rows(samples, pair, cycle_time)
-    psi = 1e-3 * pair.derived.pinion_base_radius
-    shape = np.array([1 / np.sqrt(2), 0, 1, 0, 0, 0])
-    assert rows['psi'] == pytest.approx(psi * shape, abs=1e-9 * psi)
-    acceleration = psi * (2 * np.pi * 2000) ** 2
-    assert rows['psi_acceleration'] == pytest.approx(acceleration * shape, rel=1e-6, abs=1e-3)
-    expected = 3 * 2 * np.pi * 3000 * np.array([1 / np.sqrt(2), 0, 0, 1, 0, 0])
-    assert rows['delta_acceleration'] == pytest.approx(expected, abs=1e-6)
 
 
 def test_a_spectrum_without_friction_is_led_by_nothing():
@@ -36,16 +18,50 @@ def test_a_spectrum_without_friction_is_led_by_nothing():
     assert 'led by' not in text
 
 
-def test_rows_of_a_known_signal():
-    """Amplitude 3 in the second mesh harmonic on a mean of 5: displacement 3 / omega^2."""
-    cycle_time = 1e-3
-    turn = 2 * np.pi * np.arange(64 * RECORD) / 64
-    samples = np.zeros(64 * RECORD, SAMPLES)
-    samples['gear_ay'] = 5 + 3 * np.sin(2 * turn)
-    rows = quantity_rows(samples, cycle_time)
-    assert rows['gear_ay'] == pytest.approx([3 / np.sqrt(2), 0, 3, 0, 0, 0], abs=1e-12)
-    expected = 3 / (2 * np.pi * 2000) ** 2
-    assert rows['gear_y'] == pytest.approx([expected / np.sqrt(2), 0, expected, 0, 0, 0], abs=1e-15)
+def test_accelerations_of_a_periodic_motion_are_displacements_times_the_square_of_the_frequency():
+    arrays = study.spectrum(study.default_operation(), phases=0).arrays
+    assert list(arrays['period']) == [1, 1]
+    turn = 104.72 * 34 * np.arange(1, 6)
+    pairs = [('pinion_ay', 'pinion_y'), ('gear_ax', 'gear_x'), ('psi_acceleration', 'psi')]
+    for rate, place in [*pairs, ('delta_acceleration', 'delta')]:
+        expected = arrays[place][:, 1:] * turn**2
+        assert arrays[rate][:, 1:] == pytest.approx(expected, rel=1e-4), rate
+
+
+def test_accelerations_without_a_period_are_those_of_differences():
+    """At 1000 rad/s the motion is chaotic: lines over or times the square of their frequency would
+    be off by orders. psi is that of the angles that samples have."""
+    operation = study.default_operation().with_value('speed', 1000.0)
+    assert operation.pair.friction_coefficient == 0.03
+    outcome = study.spectrum(operation, (0.03, 0.05), phases=0)
+    assert list(outcome.arrays['period']) == [0, 0]
+    run = ([operation.pair], operation.speed, operation.load_torque)
+    before = run_cycles(*run, DRIVE_SETTLES, drive=True)
+    after = run_cycles(
+        *run, RECORD, states=before.states, drive=True, samples_per_cycle=TABLE_SAMPLES
+    )
+    samples, step = after.samples[0], after.period[0] / TABLE_SAMPLES
+    derived = operation.pair.derived
+    psi = derived.pinion_base_radius * np.unwrap(samples['pinion_angle'])
+    psi -= derived.gear_base_radius * np.unwrap(samples['gear_angle'])
+    for name, values in (('psi', psi), ('delta', samples['delta'])):
+        assert outcome.arrays[name][0, 0] == pytest.approx(values.std(), rel=1e-9)
+        differences = np.diff(values, 2) / step**2
+        found = outcome.arrays[f'{name}_acceleration'][0, 0]
+        assert found == pytest.approx(differences.std(), rel=1e-3)
+    for mu in ('0.03', '0.05'):
+        assert f'mu = {mu}: no period: these figures show chance as well; they are of 32 mesh' in (
+            outcome.text
+        )
+
+
+def test_record_holds_whole_periods():
+    """Of 32 cycles: 30 of period-3 and all of period-4; without a period all."""
+    operation = study.default_operation()
+    random = np.random.default_rng(0).uniform(0, 1e-4, (128, 2))
+    assert recurrence(operation, random) == (0, 32)
+    for period, cycles in ((3, 30), (4, 32), (20, 20)):
+        assert recurrence(operation, random[np.arange(128) % period]) == (period, cycles)
 
 
 def test_friction_moves_the_first_harmonic_as_an_independent_code_saw():
@@ -59,7 +75,7 @@ def test_friction_moves_the_first_harmonic_as_an_independent_code_saw():
         assert 0.97 < ay[1, 0] / ay[0, 0] < 0.98
         # x moves by friction alone, and most near its support mode at 3401 Hz, 6 x 566.7 Hz.
         assert np.all(arrays['ax_lines'][0] == 0)
-        assert arrays['order'][1, arrays['ax_lines'][1].argmax()] == 6
+        assert arrays['order'][arrays['ax_lines'][1].argmax()] == 6
 
 
 def rows_with(**rises):

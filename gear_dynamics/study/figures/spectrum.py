@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 
 from gear_dynamics.figure_style import COLOURS, FAINT, INK
 from gear_dynamics.study.figures.style import Arrays, legend_below, new_figure
-from gear_dynamics.study.friction_spectrum import QUANTITIES
+from gear_dynamics.study.friction_spectrum import QUANTITIES, regular_places
 
 CLAIMED = {
     'all_directions': 'claim 1: rises in all directions',
@@ -35,6 +35,10 @@ def draw(arrays: Arrays) -> Figure:
         left, right = parts[1].subplots(1, 2)
         _ratio(left, arrays, 'pinion_ay', 0, "RMS of the pinion's acceleration along y")
         _ratio(right, arrays, 'mesh_force', 1, 'first mesh harmonic of the mesh force')
+        parts[2].suptitle(
+            'Where the claims hold: shares of the places where both motions have a period',
+            fontsize=10,
+        )
         claims = parts[2].subplots(1, 3, sharey=True)
         for axes, name in zip(claims, CLAIMED, strict=True):
             _claim(axes, arrays, name)
@@ -46,16 +50,12 @@ def draw(arrays: Arrays) -> Figure:
 
 def _lines(axes: Axes, arrays: Arrays, name: str, title: str) -> None:
     for i, mu in enumerate(arrays['friction']):
-        at_orders = arrays[name][i][:: _per_order(arrays)]
-        orders = np.arange(len(at_orders)) + 0.3 * (i - 0.5)
-        axes.bar(orders[1:], at_orders[1:], 0.3, color=COLOURS[i], label=f'μ = {mu:g}')
+        orders = arrays['order'] + 0.3 * (i - 0.5)
+        label = f'μ = {mu:g}' + ('' if arrays['period'][i] else ', no period')
+        axes.bar(orders, arrays[name][i], 0.3, color=COLOURS[i], label=label)
     axes.set(xlabel='mesh harmonic', ylabel='amplitude [m/s²]', title=title)
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.legend()
-
-
-def _per_order(arrays: Arrays) -> int:
-    return round(1 / arrays['order'][0, 1])
 
 
 def _ratio(axes: Axes, arrays: Arrays, name: str, which: int, title: str) -> None:
@@ -74,7 +74,9 @@ def _claim(axes: Axes, arrays: Arrays, name: str) -> None:
     where = arrays[f'map_{name}']
     colours = ListedColormap([FAINT, COLOURS[0]])
     axes.pcolormesh(*_map_axes(arrays), where, cmap=colours, vmin=0, vmax=1)
-    _label_map(axes, arrays, f'{CLAIMED[name]}: at {where.mean():.0%}')
+    regular = regular_places(arrays)
+    share = f'{where[regular].mean():.0%}' if regular.any() else 'none has one'
+    _label_map(axes, arrays, f'{CLAIMED[name]}: {share}')
 
 
 def _map_axes(arrays: Arrays) -> tuple[np.ndarray, np.ndarray]:
@@ -83,7 +85,7 @@ def _map_axes(arrays: Arrays) -> tuple[np.ndarray, np.ndarray]:
 
 def _label_map(axes: Axes, arrays: Arrays, title: str) -> None:
     """Label a map, and dot it where one of the two motions has no period."""
-    irregular = (arrays['map_period'] == 0).any(axis=0)
+    irregular = ~regular_places(arrays)
     if irregular.any():
         speed, phase = np.meshgrid(*_map_axes(arrays))
         axes.plot(speed[irregular], phase[irregular], '.', color=INK, markersize=1.5)
