@@ -65,7 +65,8 @@ def test_example_hears_the_stream(domain):
         try:
             lines = [listener.stdout.readline() for _ in range(20)]
         finally:
-            listener.send_signal(2)
+            # A SIGINT that comes while rclpy converts a message may end in a traceback of rclpy's.
+            listener.terminate()
         errors = listener.communicate(timeout=20)[1]
     assert listener.returncode == 0, errors
     assert 'Traceback' not in errors
