@@ -54,6 +54,39 @@ def test_last_command_holds_and_commands_mid_ramp_turn_at_once():
     )
 
 
+def test_ramps_that_last_for_seconds_end_when_they_should():
+    # Time is counted from an origin that moves on once a second, in the midst of the ramps.
+    begin, duration, rate = 0.5, 2.0, 2000.0
+    speeds, torques = (100.0, 160.0), (150.0, 90.0)
+    accel, slope = (speeds[1] - speeds[0]) / duration, (torques[1] - torques[0]) / duration
+    simulator = Simulator(
+        SMOOTH,
+        sample_rate=rate,
+        speed=speeds[0],
+        load_torque=torques[0],
+        speed_rate_limit=abs(accel),
+        torque_rate_limit=abs(slope),
+        anti_alias=False,
+    )
+    before = simulator.advance(round(begin * rate))
+    simulator.command(speed=speeds[1], load_torque=torques[1])
+    after = simulator.advance(round(4.0 * rate))
+    t = np.concatenate([before['t'], after['t']])
+    ramped = np.clip(t - begin, 0, duration)
+    torque = np.concatenate([before['load_torque'], after['load_torque']])
+    np.testing.assert_allclose(torque, torques[0] + slope * ramped, rtol=1e-12)
+
+    sections = simulator.take_events()
+    sections = sections[sections['kind'] == EventKind.SECTION]
+    ramped = np.clip(sections['t'] - begin, 0, duration)
+    rested = np.maximum(sections['t'] - begin - duration, 0)
+    turned = speeds[0] * (sections['t'] - rested) + accel * ramped**2 / 2 + speeds[1] * rested
+    cycles = SMOOTH.pinion_teeth * turned / (2 * np.pi)
+    # The rounding of thousands of cycles.
+    np.testing.assert_allclose(cycles, np.arange(len(sections)) + 0.5, rtol=1e-12, atol=1e-9)
+    assert sections['t'][-1] > 4.4
+
+
 def test_rate_limits_change_while_running():
     simulator = Simulator(GearPair(), torque_rate_limit=1000.0, anti_alias=False)
     simulator.command(load_torque=300.0)
