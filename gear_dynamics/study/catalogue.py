@@ -8,9 +8,6 @@ from typing import Any, NamedTuple
 PRESET = 'config/friction_chaos.yaml'
 DEFAULT = 'the default pair'
 
-RANGES = (('begin', 'end'), ('slowest', 'fastest'))
-"""Pairs of options of which the first must be below the second."""
-
 
 class Option(NamedTuple):
     """An option of a study, and the argument of the same name of its function.
@@ -18,7 +15,8 @@ class Option(NamedTuple):
     Attributes
     ----------
     default : int, float, str, tuple or list
-        Its type is the option's. A tuple takes as many values, a list one or more.
+        What the function takes if it is not given; its type is the option's. A tuple takes as many
+        values, a list one or more.
     text : str
         For the help.
     least : float
@@ -55,11 +53,14 @@ class Study(NamedTuple):
     operation : str
         Function of `gear_dynamics.study` that gives what is studied without --params.
     options : dict of str to Option
+    sweeps : str
+        What is swept, if anything is; an option `parameter` may name another.
     """
 
     summary: str
     operation: str
     options: dict[str, Option]
+    sweeps: str = ''
 
 
 _TRANSIENT = 'mesh cycles before each record'
@@ -96,12 +97,13 @@ STUDIES = {
             'parameter': Option(
                 'w', 'what is swept: w, speed, load_torque or a parameter of the pair'
             ),
-            'begin': Option(0.4, 'beginning of the range'),
-            'end': Option(2.0, 'end of the range'),
+            'begin': Option(0.4, 'beginning of the range; must be given unless w is swept'),
+            'end': Option(2.0, 'end of the range; must be given unless w is swept'),
             'count': Option(600, _COUNT, 2),
             'transient': Option(300, _TRANSIENT, 0),
             'cycles': Option(150, 'mesh cycles in each record', 100),
         },
+        sweeps='w',
     ),
     'attractor': Study(
         'history, spectrum, phase portrait, section and exponents of one motion',
@@ -130,5 +132,6 @@ STUDIES = {
             'count': Option(300, _COUNT, 2),
             'transient': Option(1000, _TRANSIENT, 0),
         },
+        sweeps='w',
     ),
 }

@@ -14,7 +14,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from gear_dynamics.study.catalogue import DEFAULT, PRESET, RANGES, STUDIES, Option, Study
+from gear_dynamics.study.catalogue import DEFAULT, PRESET, STUDIES, Option, Study
 
 if TYPE_CHECKING:
     from gear_dynamics.study.operation import Operation
@@ -77,17 +77,17 @@ def _disk_words(error: OSError, output: Path) -> str:
 def _run(arguments: argparse.Namespace) -> None:
     from gear_dynamics import study
     from gear_dynamics.study.lock import alone
+    from gear_dynamics.study.warm_up import CompilingRunner
 
     values = _checked_values(arguments)
     operation = _operation(arguments)
     with alone(arguments.output, arguments.study):
         _refuse_existing(arguments)
         parts = arguments.output / f'.{arguments.study}_parts'
+        compile_ = _compile if arguments.cluster in (None, 'local') else None
         with contextlib.closing(
-            study.Runner(parts, arguments.cluster, progress=not arguments.quiet)
+            CompilingRunner(compile_, parts, arguments.cluster, progress=not arguments.quiet)
         ) as runner:
-            if arguments.cluster in (None, 'local'):
-                _compile()
             outcome = getattr(study, arguments.study)(operation, runner=runner, **values)
         paths = _write(arguments, outcome)
         runner.forget()
@@ -99,23 +99,19 @@ def _run(arguments: argparse.Namespace) -> None:
 
 
 def _checked_values(arguments: argparse.Namespace) -> dict[str, Any]:
-    """Return the options of the study by name.
+    """Return the options of the study that were given, by name.
 
     Raises
     ------
     ValueError
-        If one is out of its range, or the beginning of a range is not below its end.
+        If one is out of its range.
     """
     options = STUDIES[arguments.study].options
-    values = {name: getattr(arguments, name) for name in options}
+    given = {name: getattr(arguments, name) for name in options}
+    values = {name: value for name, value in given.items() if value is not None}
     for name, value in values.items():
         for each in value if isinstance(value, list | tuple) else [value]:
             options[name].check(name, each)
-    for first, last in RANGES:
-        if first in values and not values[first] < values[last]:
-            raise ValueError(
-                f'--{first} {values[first]:g} is not below --{last} {values[last]:g}: exchange them'
-            )
     return values
 
 
@@ -126,7 +122,13 @@ def _operation(arguments: argparse.Namespace) -> Operation:
         operation = study.read_operation(arguments.params)
     else:
         operation = getattr(study, STUDIES[arguments.study].operation)()
+    swept = getattr(arguments, 'parameter', None) or STUDIES[arguments.study].sweeps
     for name, value in arguments.set:
+        if name == swept or {name, swept} == {'w', 'speed'}:
+            raise ValueError(
+                f'--set {name}={value:g} would have no effect, as {arguments.study} sweeps '
+                f'{swept}: give --begin and --end'
+            )
         if name == 'friction_coefficient' and 'frictions' in STUDIES[arguments.study].options:
             raise ValueError(
                 f'--set {name}={value:g} would have no effect: give {arguments.study} --frictions'
@@ -230,7 +232,6 @@ def _add_option(parser: argparse.ArgumentParser, name: str, option: Option) -> N
         f'--{name.replace("_", "-")}',
         type=kind,
         nargs='+' if isinstance(default, list) else len(default) if several else None,
-        default=default,
         metavar=kind.__name__.upper(),
         help=f'{option.text}; by default {shown}',
     )

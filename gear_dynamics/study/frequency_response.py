@@ -18,7 +18,7 @@ from gear_dynamics.study.judgement import judge, unzip
 from gear_dynamics.study.kind import LONGEST_PERIOD, kind_shares
 from gear_dynamics.study.operation import FREQUENCY_RATIO, Operation
 from gear_dynamics.study.outcome import Outcome
-from gear_dynamics.study.sweep import by_value, chain_along, follow
+from gear_dynamics.study.sweep import by_value, chain_along, check_range, follow
 from gear_dynamics.study.tasks import Arrays, Runner, chunks
 
 JUDGED = 128
@@ -151,8 +151,9 @@ def response(
     Raises
     ------
     ParameterError
-        If a value is out of its range.
+        If a value is out of its range, or begin is not below end.
     """
+    check_range(begin=begin, end=end)
     runner = runner or Runner()
     values = np.linspace(begin, end, count)
     chain = chain_along(operation, FREQUENCY_RATIO, values)

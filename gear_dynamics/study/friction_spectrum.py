@@ -23,6 +23,7 @@ from gear_dynamics.study.kind import LONGEST_PERIOD, PERIOD, RECURS
 from gear_dynamics.study.lyapunov_table import with_frictions
 from gear_dynamics.study.operation import Operation
 from gear_dynamics.study.outcome import Outcome
+from gear_dynamics.study.sweep import check_range
 from gear_dynamics.study.tasks import Arrays, Runner, chunks
 
 ACCELERATIONS = ('pinion_ax', 'pinion_ay', 'gear_ax', 'gear_ay')
@@ -187,10 +188,12 @@ def spectrum(
     Raises
     ------
     ParameterError
-        If a value is out of its range, or the friction coefficients are not two different ones.
+        If a value is out of its range, slowest is not below fastest, or the friction coefficients
+        are not two different ones.
     """
     if len(frictions) != 2:
         raise ParameterError(f'{len(frictions)} friction coefficients are given: give two')
+    check_range(slowest=slowest, fastest=fastest)
     runner = runner or Runner()
     rubbing = with_frictions(operation, frictions)
     angles = np.linspace(-math.pi, math.pi, phases, endpoint=False)

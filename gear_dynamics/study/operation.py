@@ -51,6 +51,21 @@ class Operation(NamedTuple):
         """Length of a mesh cycle in tau = wn t."""
         return 2 * math.pi / self.frequency_ratio
 
+    def value(self, name: str) -> float:
+        """Return w, speed, load_torque or a number of the pair.
+
+        Raises
+        ------
+        ParameterError
+            If there is no such number.
+        """
+        if name == FREQUENCY_RATIO:
+            return self.frequency_ratio
+        if name in RUN_NAMES:
+            return float(getattr(self, name))
+        self._check_name(name)
+        return float(getattr(self.pair, name))
+
     def with_value(self, name: str, value: float) -> Operation:
         """Return the same with another value of w, speed, load_torque or a pair's parameter.
 
@@ -67,12 +82,15 @@ class Operation(NamedTuple):
         if name in RUN_NAMES:
             other = self._replace(**{name: getattr(_run_settings(changed), name)})
             return other._replace(asked_ratio=None) if name == 'speed' else other
+        self._check_name(name)
+        other = self._replace(pair=dataclasses.replace(self.pair, **changed))
+        return other if self.asked_ratio is None else other._at_ratio(self.asked_ratio)
+
+    def _check_name(self, name: str) -> None:
         numbers = [a.name for a in self.pair.parameters() if isinstance(a.default, float)]
         if name not in numbers:
             known = ', '.join([FREQUENCY_RATIO, *RUN_NAMES, *numbers])
             raise ParameterError(f'{name} cannot be varied; known are {known}')
-        other = self._replace(pair=dataclasses.replace(self.pair, **changed))
-        return other if self.asked_ratio is None else other._at_ratio(self.asked_ratio)
 
     def _at_ratio(self, ratio: float) -> Operation:
         """Return the same at the speed that belongs to w, which is kept from now on."""

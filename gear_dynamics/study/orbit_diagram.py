@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from gear_dynamics.model.parameter import ParameterError
 from gear_dynamics.study.chaos_onset import FINER, TRANSIENT, chaotic_ranges, onset_words, refine
 from gear_dynamics.study.exponents import (
     EXPONENT_UNITS,
@@ -25,6 +26,7 @@ from gear_dynamics.study.sweep import (
     UP,
     by_value,
     chain_along,
+    check_range,
     follow,
     measure,
     unit_of,
@@ -34,14 +36,19 @@ from gear_dynamics.study.tasks import Runner
 SHORTEST = 80
 """Cycles of a record from which exponents and a period up to 32 can be told."""
 
+FRICTIONS = (0.0, 0.03)
+
+W_RANGE = (0.4, 2.0)
+"""Of the sweep of w, where nothing else is asked for."""
+
 
 def bifurcation(
     operation: Operation,
-    frictions: Sequence[float] = (0.0, 0.03),
+    frictions: Sequence[float] | None = None,
     *,
     parameter: str = FREQUENCY_RATIO,
-    begin: float = 0.4,
-    end: float = 2.0,
+    begin: float | None = None,
+    end: float | None = None,
     count: int = 600,
     transient: int = 300,
     cycles: int = 150,
@@ -55,13 +62,14 @@ def bifurcation(
     Parameters
     ----------
     operation : Operation
-    frictions : sequence of float
-        Friction coefficients to compare; if `parameter` is friction_coefficient, they are not
-        used, and the array `friction` is one NaN.
+    frictions : sequence of float, optional
+        Friction coefficients to compare, by default 0 and 0.03. If `parameter` is
+        friction_coefficient there must be none, and the array `friction` is one NaN.
     parameter : str
         What is swept: w, speed, load_torque or a parameter of the pair.
     begin, end : float
-        Range, in the parameter's own unit; both ends belong to it.
+        Range, in the parameter's own unit; both ends belong to it. By default W_RANGE if w is
+        swept; of any other parameter both must be given.
     count : int
         Values.
     transient, cycles : int
@@ -78,18 +86,23 @@ def bifurcation(
     Raises
     ------
     ParameterError
-        If the parameter cannot be varied, a value is out of its range, or a friction coefficient is
-        given twice.
+        If the parameter cannot be varied, its range is missing or upside down, a value is out of
+        its range, a friction coefficient is given twice, or any where friction is swept.
     ValueError
         If the record is too short.
     """
     if cycles < SHORTEST:
         raise ValueError(f'{cycles} cycles are too few: give {SHORTEST} or more')
     runner = runner or Runner()
-    values = np.linspace(begin, end, count)
+    values = np.linspace(*_range(operation, parameter, begin, end), count)
     if parameter == FRICTION:
+        if frictions is not None:
+            raise ParameterError(
+                f'frictions would have no effect, as {FRICTION} is swept: leave them out'
+            )
         frictions, rubbing = [math.nan], [operation]
     else:
+        frictions = FRICTIONS if frictions is None else frictions
         rubbing = with_frictions(operation, frictions)
     chains = [
         chain_along(each, parameter, way) for each in rubbing for way in (values, values[::-1])
@@ -111,6 +124,23 @@ def bifurcation(
     tables = _tables(arrays)
     table = tables.pop('')
     return Outcome('bifurcation', _text(arrays), table, arrays, _units(parameter), tables)
+
+
+def _range(
+    operation: Operation, parameter: str, begin: float | None, end: float | None
+) -> tuple[float, float]:
+    present = operation.value(parameter)
+    if parameter == FREQUENCY_RATIO:
+        begin = W_RANGE[0] if begin is None else begin
+        end = W_RANGE[1] if end is None else end
+    if begin is None or end is None:
+        unit = '' if unit_of(parameter) == '1' else f' {unit_of(parameter)}'
+        raise ParameterError(
+            f'{parameter} has no range of its own: give begin and end; its value is '
+            f'{present:g}{unit}'
+        )
+    check_range(begin=begin, end=end)
+    return begin, end
 
 
 def _units(parameter: str) -> dict[str, str]:

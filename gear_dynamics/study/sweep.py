@@ -6,6 +6,7 @@ import numpy as np
 
 from gear_dynamics.model.cycles import run_cycles
 from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.parameter import ParameterError
 from gear_dynamics.model.run_settings import RunSettings
 from gear_dynamics.study.exponents import EXPONENT_UNITS
 from gear_dynamics.study.judgement import judge, unzip
@@ -35,6 +36,21 @@ def unit_of(parameter: str) -> str:
     """Return the unit of a parameter that can be swept; 1 for a pure number."""
     known = {a.name: a.unit for a in (*RunSettings.parameters(), *GearPair.parameters())}
     return known.get(parameter) or '1'
+
+
+def check_range(**ends: float) -> None:
+    """Refuse a range that does not begin below its end.
+
+    ends : the beginning and the end, by their names.
+
+    Raises
+    ------
+    ParameterError
+        If it does not.
+    """
+    (first, begin), (last, end) = ends.items()
+    if not begin < end:
+        raise ParameterError(f'{first} {begin:g} is not below {last} {end:g}: exchange them')
 
 
 def chain_along(operation: Operation, parameter: str, values: np.ndarray) -> list[Operation]:
