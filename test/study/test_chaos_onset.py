@@ -37,10 +37,18 @@ def test_onset_parts_growth_from_decay(monkeypatch):
     """Below it two nearby motions come together, above it they part."""
     monkeypatch.setattr(chaos_onset, 'TRANSIENT', 300)
     monkeypatch.setattr(chaos_onset, 'FINER', 4)
+    transients, follow = [], chaos_onset.follow
+
+    def noted(chains, states, cycles, runner):
+        transients.append(cycles)
+        return follow(chains, states, cycles, runner)
+
+    monkeypatch.setattr(chaos_onset, 'follow', noted)
     chaos = study.friction_chaos()
     outcome = study.bifurcation(chaos, [0.0], begin=1.14, end=1.19, count=11, transient=200)
     fine, kinds = outcome.arrays['fine_values'][0], outcome.arrays['fine_kind'][0]
     assert fine.shape == (2, 25)
+    assert transients == [300]
     table = outcome.further['_onset']
     assert np.array_equal(table['w [1]'], fine.ravel())
     assert np.array_equal(table['kind [-]'], kinds.ravel())

@@ -114,8 +114,10 @@ def test_variations_are_the_differences_of_nearby_motions(mu, in_gap):
     varied = run_cycles(
         [pair], SPEED, TORQUE, cycles, states=begin[None], vectors=unit, orthogonal=False, **tight
     )
-    # Differences carry an error of the state's rounding over the step, 1e-4 / 1e-11 * 1e-16.
-    assert np.allclose(varied.vectors[0], difference, rtol=0, atol=1e-4 * np.abs(difference).max())
+    # Each coordinate by itself, as x moves little. Differences carry an error of the state's
+    # rounding over the step, 1e-4 / 1e-11 * 1e-16.
+    apart = np.abs(varied.vectors[0] - difference).max(axis=0)
+    assert np.all(apart <= 1e-7 * np.abs(difference).max(axis=0))
 
 
 def test_divergence_is_that_of_the_closed_form_with_damping_in_the_gap_and_no_friction():

@@ -123,9 +123,10 @@ def autoregressive(generator, n):
     return lfilter([1], [1, -0.9], generator.normal(size=n + 200))[200:]
 
 
-def stays(generator, n):
-    """Two values, 1 and -1, kept for 20 steps in the mean: rho = 0.9, and sqrt(19 / n)."""
-    return generator.choice([-1, 1]) * np.cumprod(1 - 2 * (generator.random(n) < 0.05))
+def stays(generator, n, steps=20):
+    """Two values, 1 and -1, kept for so many steps in the mean: rho = 1 - 2 / steps, 0.9 with 20,
+    and an error of sqrt(19 / n)."""
+    return generator.choice([-1, 1]) * np.cumprod(1 - 2 * (generator.random(n) < 1 / steps))
 
 
 @pytest.mark.parametrize(
@@ -144,6 +145,14 @@ def test_standard_error_of_processes_with_a_known_one(process, expected):
     # The mean square of 500 is known to 3 %.
     found = np.mean(errors**2) * n / expected**2
     assert found == pytest.approx(square.mean(), abs=4 * square.std() / np.sqrt(count))
+
+
+def test_standard_error_is_known_though_stays_are_a_twentieth_of_the_record():
+    """n = 1000, rho = 0.96: sigma / sqrt(n) sqrt((1 + rho) / (1 - rho)) with its term in 1 / n^2."""
+    generator, n, rho = np.random.default_rng(7), 1000, 0.96
+    square = (1 + rho) / (1 - rho) / n - 2 * rho * (1 - rho**n) / (n * (1 - rho)) ** 2
+    errors = np.array([standard_error(stays(generator, n, 50)) for _ in range(1000)])
+    assert 0.95 < np.sqrt(np.mean(errors**2) / square) < 1.15
 
 
 def test_standard_error_of_periodic_rates_is_that_of_the_period_that_is_not_whole():

@@ -104,6 +104,7 @@ def test_claims_of_the_source_are_told_apart():
     assert verdict() == [True, True, True, True]
     assert verdict(gear_ay=[-1, 0, 0, 0, 0, 0]) == [False, True, True, False]
     assert verdict(pinion_ay=[4, 0, 0, 0, 0, 0]) == [True, False, True, False]
+    assert verdict(gear_ay=[4, 0, 0, 0, 0, 0]) == [True, False, True, False]
     assert verdict(mesh_force=[5, 2, 3, 2, 1, 0]) == [True, True, False, False]
     assert verdict(mesh_force=[5, -2, -3, -2, -3, -3]) == [True, True, False, False]
     assert verdict(gear_ax=[3, 1, 2, 0, 0, 0]) == [True, True, False, False]

@@ -1,9 +1,12 @@
 import dataclasses
+from types import SimpleNamespace
 
 import numpy as np
+import pytest
 from study.test_cycles import one_degree_of_freedom, speed_at
 
 from gear_dynamics.analysis.regime import ENOUGH
+from gear_dynamics.study import judgement
 from gear_dynamics.study.initial import scattered_states, states_at
 from gear_dynamics.study.judgement import judge
 from gear_dynamics.study.operation import Operation, friction_chaos
@@ -44,3 +47,46 @@ def test_settled_motion_is_judged_from_its_first_record():
     assert judged['discarded'][0] < 150
     assert judged['settled'].all()
     assert judged['convergence'].shape == (1, 10, 10)
+
+
+def test_open_motions_go_on_from_their_ends_and_are_judged_from_there_alone(monkeypatch):
+    """Of three motions with known rates and sections one is settled, one decays towards its rate
+    for 100 cycles, and of one 100 cycles do not tell the kind."""
+    first_record = 100
+    operation = friction_chaos()
+    scale = np.array([1, operation.pair.derived.wn]) * operation.pair.half_backlash
+    golden = np.pi * (np.sqrt(5) - 1)
+
+    rates = (
+        lambda t: np.full(t.shape, -0.1),
+        lambda t: np.where(t < 100, t / 100 - 1, -0.2),
+        lambda t: np.zeros(t.shape),
+    )
+
+    def section(motion, t):
+        angle = golden * t if motion == 2 else np.zeros(t.shape)
+        return np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+    def run(pairs, speeds, torques, cycles, states, vectors):
+        """States are the cycles done and the motion."""
+        motions = [(int(motion), done + np.arange(cycles)) for done, motion in states]
+        growth = np.array([rates[motion](t) for motion, t in motions])
+        return SimpleNamespace(
+            sections=np.array([section(motion, t) for motion, t in motions]) * scale,
+            growth=growth[..., np.newaxis] * operation.cycle,
+            states=states + np.array([cycles, 0]),
+            vectors=vectors + cycles,
+        )
+
+    monkeypatch.setattr(judgement, 'run_cycles', run)
+    start = np.array([[0.0, 0.0], [0.0, 1.0], [0.0, 2.0]])
+    judged = judge([operation] * 3, start, first_record, k=1)
+    assert list(judged['kind']) == ['period-1', 'period-1', 'quasi-periodic']
+    assert judged['settled'].all()
+    assert judged['exponents'][:, 0] == pytest.approx([-0.1, -0.2, 0.0])
+    assert list(judged['discarded']) == [0, 100, 100]
+    ends = first_record + np.array([0, ENOUGH, ENOUGH])
+    assert list(judged['states'][:, 0]) == list(ends)
+    assert np.ptp(judged['vectors'] - ends[:, np.newaxis, np.newaxis], axis=0) == pytest.approx(0)
+    last = section(2, np.arange(ends[2] - first_record, ends[2]))
+    assert judged['sections'][2] == pytest.approx(last)

@@ -46,6 +46,13 @@ def test_growth_within_its_error_is_no_chaos_whatever_the_zero_one_test_says():
     assert kind.words == 'undecided'
 
 
+def test_states_that_recur_are_no_period_where_nearby_motions_part():
+    """Chaos that stays near an unstable orbit; with 1000 points the 0-1 test contradicts it."""
+    orbit = pairs(logistic(21200, 3.5)[20000:])
+    assert kind_of(orbit[:200], 0.05, 0.001).words == 'chaotic'
+    assert kind_of(orbit, 0.05, 0.001).words == 'undecided'
+
+
 def test_orbits_are_one_wherever_they_begin():
     """The period-3 orbit of the logistic map, and the same points in the other direction."""
     orbit = pairs(logistic(20200, 3.83)[20000:])[:3]
