@@ -148,7 +148,7 @@ def test_standard_error_of_processes_with_a_known_one(process, expected):
 
 
 def test_standard_error_is_known_though_stays_are_a_twentieth_of_the_record():
-    """n = 1000, rho = 0.96: sigma / sqrt(n) sqrt((1 + rho) / (1 - rho)) with its term in 1 / n^2."""
+    """n = 1000, rho = 0.96: sigma^2 (1 + rho) / (1 - rho) / n, and its term in 1 / n^2."""
     generator, n, rho = np.random.default_rng(7), 1000, 0.96
     square = (1 + rho) / (1 - rho) / n - 2 * rho * (1 - rho**n) / (n * (1 - rho)) ** 2
     errors = np.array([standard_error(stays(generator, n, 50)) for _ in range(1000)])
