@@ -66,7 +66,8 @@ def pack(pair: GearPair, rtol: float, atol: float, drive: bool = True) -> np.nda
     rtol, atol : float
         Tolerances of the integrator; atol is scaled by b, b wn or b / rb.
     drive : bool
-        False gives the reduced form: no drive, no rigid rotation, T1 = T2 z1 / z2.
+        False gives the reduced form: no rigid rotation q, and T1 carries the load and, while the
+        speed ramps, the inertias.
     """
     derived = pair.derived
     angle = math.radians(pair.pressure_angle_deg)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from states import state_of_sample
 
-from gear_dynamics.model.columns import CHANNELS, EventKind
+from gear_dynamics.model.columns import EventKind
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.simulator import Simulator
 
@@ -26,15 +26,37 @@ def rigid_rotation(pair, state):
     )
 
 
-@pytest.mark.parametrize('rpm', [1000, 3200, 9500])
-def test_both_forms_agree_without_friction_even_in_chaos(rpm):
-    full = Simulator(SMOOTH, speed=rpm * RPM, anti_alias=False)
-    reduced = Simulator(SMOOTH, speed=rpm * RPM, anti_alias=False, drive=False)
-    one, two = full.advance(20480), reduced.advance(20480)
-    for name in (*CHANNELS, 'pinion_angle', 'gear_angle', 'speed'):
+@pytest.mark.parametrize(
+    ('rpm', 'to_rpm'), [(1000, 1000), (3200, 3200), (9500, 9500), (1000, 9500), (9500, 1000)]
+)
+def test_both_forms_agree_without_friction_even_in_chaos(rpm, to_rpm):
+    options = {'speed': rpm * RPM, 'speed_rate_limit': 3000.0, 'anti_alias': False}
+    full, reduced = Simulator(SMOOTH, **options), Simulator(SMOOTH, drive=False, **options)
+    runs = []
+    for form in (full, reduced):
+        form.advance(2048)
+        form.command(speed=to_rpm * RPM)
+        runs.append(form.advance(20480))
+    one, two = runs
+    for name in one.dtype.names:
         np.testing.assert_array_equal(one[name], two[name], err_msg=name)
+    np.testing.assert_array_equal(full.shafts, reduced.shafts)
     assert full.counters == reduced.counters
+    assert one['speed'][-1] == pytest.approx(to_rpm * RPM, rel=0.05)
     assert rigid_rotation(SMOOTH, state_of_sample(full))[0] == pytest.approx(0, abs=1e-18)
+
+
+@pytest.mark.parametrize('drive', [True, False])
+def test_drive_torque_carries_the_load_and_on_a_ramp_the_inertias(drive):
+    accel, d = 500.0, SMOOTH.derived
+    run = Simulator(SMOOTH, drive=drive, speed_rate_limit=accel, anti_alias=False)
+    run.advance(100)
+    ratio = SMOOTH.pinion_teeth / SMOOTH.gear_teeth
+    np.testing.assert_allclose(run.shafts['drive_torque'], 150.0 * ratio, rtol=1e-13)
+    run.command(speed=400.0)
+    run.advance(100)
+    carried = (150.0 + d.gear_inertia * accel * ratio) * ratio + d.pinion_inertia * accel
+    np.testing.assert_allclose(run.shafts['drive_torque'], carried, rtol=1e-13)
 
 
 def test_with_friction_the_forms_differ_by_the_loss_torque_alone():
