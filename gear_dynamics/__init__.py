@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from gear_dynamics.bag.reader import read_log
     from gear_dynamics.model.batch import simulate_batch
+    from gear_dynamics.model.columns import EventKind
     from gear_dynamics.model.gear_pair import GearPair
     from gear_dynamics.model.parameter import ParameterError
     from gear_dynamics.model.simulator import IntegrationError, Simulator, simulate
 
 _HOMES = {
+    'EventKind': 'gear_dynamics.model.columns',
     'GearPair': 'gear_dynamics.model.gear_pair',
     'IntegrationError': 'gear_dynamics.model.simulator',
     'ParameterError': 'gear_dynamics.model.parameter',
@@ -23,6 +25,7 @@ _HOMES = {
 }
 
 __all__ = [
+    'EventKind',
     'GearPair',
     'IntegrationError',
     'ParameterError',

@@ -125,7 +125,8 @@ def simulate_batch(
 ) -> np.ndarray:
     """Run many gear pairs from rest at constant commands, over all cores.
 
-    Each row is to the last bit what `simulate` gives for that pair. The cores are Numba's
+    Each row is to the last bit what `simulate` gives for that pair: raw samples, as with
+    anti_alias=False. There are no events; those are `Simulator`'s. The cores are Numba's
     (NUMBA_NUM_THREADS).
 
     Parameters
