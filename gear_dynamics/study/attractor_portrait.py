@@ -8,6 +8,7 @@ import numpy as np
 
 from gear_dynamics.analysis.spectrum import amplitude_spectrum
 from gear_dynamics.model.cycles import run_cycles
+from gear_dynamics.study.exponents import exponent_columns
 from gear_dynamics.study.initial import scattered_states
 from gear_dynamics.study.lyapunov_table import (
     UNITS,
@@ -24,10 +25,12 @@ from gear_dynamics.study.outcome import Outcome
 from gear_dynamics.study.records import records
 from gear_dynamics.study.tasks import Arrays, Runner
 
-SHOWN = 32
-"""Mesh cycles in the history and the phase portrait."""
+SAMPLED = 512
+"""Mesh cycles in the history, the spectrum and the phase portrait. Fewer may all lie near one
+unstable orbit of a chaotic motion."""
 
-SPECTRUM_CYCLES = 512
+SHOWN = 32
+"""Of these, in the picture of the history."""
 
 SAMPLES = 64
 """Samples in a mesh cycle."""
@@ -48,7 +51,7 @@ def portrait_task(operation: Operation, states: np.ndarray) -> Arrays:
         [operation.pair],
         operation.speed,
         operation.load_torque,
-        SPECTRUM_CYCLES,
+        SAMPLED,
         states=states,
         samples_per_cycle=SAMPLES,
     )
@@ -56,11 +59,11 @@ def portrait_task(operation: Operation, states: np.ndarray) -> Arrays:
     delta = sampled.samples[0]['delta'] / b
     slope = sampled.samples[0]['delta_dot'] / (b * wn)
     order, lines = amplitude_spectrum(delta - delta.mean(), SAMPLES, length=len(delta) // 2)
-    shown, low = slice(SHOWN * SAMPLES), order <= 4
+    low = order <= 4
     return {
-        'tau': sampled.samples[0]['t'][shown] * wn,
-        'delta': delta[shown],
-        'delta_dot': slope[shown],
+        'tau': sampled.samples[0]['t'] * wn,
+        'delta': delta,
+        'delta_dot': slope,
         'order': order[low],
         'amplitude': lines[low],
     }
@@ -84,6 +87,13 @@ def attractor(
         Mesh cycles before and in the record of the section and the exponents.
     runner : Runner, optional
 
+    Returns
+    -------
+    Outcome
+        Its table is the section; further ones are the history (`_history`), the spectrum
+        (`_spectrum`), the exponents (`_exponents`) and their means over the first cycles
+        (`_convergence`).
+
     Raises
     ------
     ParameterError
@@ -105,10 +115,15 @@ def attractor(
     return Outcome(
         'attractor',
         _text(operation, findings),
-        _table(arrays),
+        _section_table(arrays),
         arrays,
         UNITS | SAMPLED_UNITS,
-        {'_convergence': convergence_of(findings)},
+        {
+            '_history': _sampled_table(arrays, ('tau', 'delta', 'delta_dot')),
+            '_spectrum': _sampled_table(arrays, ('order', 'amplitude')),
+            '_exponents': _exponents_table(arrays),
+            '_convergence': convergence_of(findings),
+        },
     )
 
 
@@ -129,11 +144,31 @@ def _text(operation: Operation, findings: Sequence[Finding]) -> str:
     return '\n'.join(lines)
 
 
-def _table(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+def _section_table(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     count = arrays['sections'].shape[1]
     return {
         'friction_coefficient [1]': np.repeat(arrays['friction'], count),
         'cycle [cycles]': np.tile(np.arange(count), len(arrays['friction'])),
         'delta [b]': arrays['sections'][..., 0].ravel(),
         'delta_dot [b wn]': arrays['sections'][..., 1].ravel(),
+    }
+
+
+def _sampled_table(arrays: dict[str, np.ndarray], names: Sequence[str]) -> dict[str, np.ndarray]:
+    """Return arrays by the names of SAMPLED_UNITS, (frictions, n), as a table."""
+    count = arrays[names[0]].shape[1]
+    columns = {f'{name} [{SAMPLED_UNITS[name]}]': arrays[name].ravel() for name in names}
+    return {'friction_coefficient [1]': np.repeat(arrays['friction'], count), **columns}
+
+
+def _exponents_table(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    return {
+        'friction_coefficient [1]': arrays['friction'],
+        'kind [-]': arrays['kind'],
+        'settled [1]': arrays['settled'].all(axis=-1).astype(int),
+        'discarded [cycles]': arrays['discarded'],
+        'nearby [1/tau]': arrays['nearby'],
+        'nearby_error [1/tau]': arrays['nearby_error'],
+        'sum_error [1]': arrays['sum_error'],
+        **exponent_columns(arrays['exponents'], arrays['standard_errors']),
     }

@@ -129,7 +129,7 @@ def test_first_compilation_is_announced_and_ends_at_a_signal(tmp_path):
 
 
 @pytest.mark.parametrize(
-    'file', ['attractor.npz', 'attractor.csv', 'attractor.png', 'attractor_convergence.csv']
+    'file', ['attractor.npz', 'attractor.csv', 'attractor.png', 'attractor_exponents.csv']
 )
 def test_a_result_that_exists_is_not_overwritten(tmp_path, capsys, file):
     (tmp_path / file).write_bytes(b'precious')

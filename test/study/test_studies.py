@@ -132,6 +132,19 @@ def test_attractor_has_the_sections_of_its_kind():
     # By two nearby motions, which know nothing of variations.
     assert arrays['nearby'][0] == pytest.approx(arrays['exponents'][0, 0], abs=2e-3)
     assert arrays['nearby'][0] != arrays['exponents'][0, 0]
+    # Each panel of the figure has its table.
+    history, spectrum = outcome.further['_history'], outcome.further['_spectrum']
+    assert np.array_equal(history['delta_dot [b wn]'], arrays['delta_dot'][0])
+    cycle = CHAOS.cycle
+    assert history['tau [1]'][-1] == pytest.approx(512 * cycle - cycle / 64)
+    high = spectrum['amplitude [b]'] > 1e-3 * spectrum['amplitude [b]'].max()
+    # Lines at quarters of the mesh order, each as wide as that of the window: its neighbours too.
+    quarters = 4 * spectrum['order [1]'][high]
+    assert np.abs(quarters - quarters.round()).max() <= 4 / 256
+    exponents_table = outcome.further['_exponents']
+    assert exponents_table['exponent_1 [1/tau]'][0] == arrays['exponents'][0, 0]
+    assert exponents_table['exponent_1_error [1/tau]'][0] == arrays['standard_errors'][0, 0]
+    assert exponents_table['sum_error [1]'] == arrays['sum_error'] < 1e-6
     assert arrays['convergence'].shape == (1, 50, 10)
     last = [outcome.further['_convergence'][f'exponent_{i} [1/tau]'][-1] for i in range(1, 11)]
     assert last == pytest.approx(arrays['exponents'][0])

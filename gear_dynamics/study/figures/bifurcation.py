@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gear_dynamics.figure_style import COLOURS
 from gear_dynamics.study.chaos_onset import onset
-from gear_dynamics.study.figures.style import Arrays, new_figure, zero_line
+from gear_dynamics.study.figures.style import (
+    Arrays,
+    band_handle,
+    draw_band,
+    new_figure,
+    zero_line,
+)
 from gear_dynamics.study.sweep import DOWN, UP, unit_of
 
 WORDS = ('swept up', 'swept down')
@@ -53,14 +61,17 @@ def _exponents(axes: Axes, arrays: Arrays, i: int) -> None:
     for direction in (DOWN, UP):
         colour = COLOURS[direction]
         exponent = arrays['exponents'][i, direction, :, 0]
-        error = 2 * arrays['standard_errors'][i, direction, :, 0]
-        axes.fill_between(
-            values, exponent - error, exponent + error, color=colour, alpha=0.25, lw=0
-        )
+        draw_band(axes, values, exponent, arrays['standard_errors'][i, direction, :, 0], colour)
         axes.plot(values, exponent, color=colour, linewidth=0.8)
-        place = onset(arrays['fine_values'][i, direction], arrays['fine_kind'][i, direction])
+        fine = arrays['fine_values'][i, direction]
+        place = onset(fine, arrays['fine_kind'][i, direction])
         if np.isfinite(place):
-            label = f'onset of chaos, {WORDS[direction]}: {place:.5g}'
+            label = f'onset of chaos, {WORDS[direction]}: {place:.{_decimals(fine)}f}'
             axes.axvline(place, color=colour, linewidth=0.8, linestyle=':', label=label)
-            axes.legend(loc='upper left')
+    axes.legend(handles=[*axes.get_legend_handles_labels()[0], band_handle()], loc='upper left')
     zero_line(axes)
+
+
+def _decimals(fine: np.ndarray) -> int:
+    """Return how many decimals the steps of a grid resolve."""
+    return max(0, math.ceil(-math.log10(fine[1] - fine[0])))

@@ -11,11 +11,15 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.patches import Patch
 
 from gear_dynamics.figure_style import INK, STYLE
 
 Arrays = dict[str, np.ndarray]
 Draw = Callable[[Arrays], Figure]
+
+BAND = 0.25
+"""Opacity of what shades standard errors."""
 
 
 def new_figure(width: float, height: float, title: str) -> Figure:
@@ -36,6 +40,17 @@ def legend_below(axes: Axes, handles: Sequence[Artist]) -> None:
     # Matplotlib 3.6, which Ubuntu 24.04 has, knows no legend outside of a figure's axes.
     below = {'loc': 'upper center', 'bbox_to_anchor': (0.5, 0.0), 'borderaxespad': 4.0}
     axes.legend(handles=handles, ncols=3, **below)
+
+
+def draw_band(axes: Axes, x: np.ndarray, y: np.ndarray, error: np.ndarray, colour: str) -> None:
+    """Shade two standard errors to either side of a curve."""
+    low, high = y - 2 * error, y + 2 * error
+    axes.fill_between(x, low, high, color=colour, alpha=BAND, linewidth=0)
+
+
+def band_handle() -> Patch:
+    """Return what stands for such bands in a legend."""
+    return Patch(color=INK, alpha=BAND, linewidth=0, label='± 2 standard errors')
 
 
 def zero_line(axes: Axes) -> None:
