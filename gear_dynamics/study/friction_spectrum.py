@@ -85,7 +85,7 @@ UNITS = {
 RECORD = 32
 """Mesh cycles in a record, or the most that are whole periods of the motion."""
 
-TABLE_SAMPLES, MAP_SAMPLES = 8192, 256
+TABLE_SAMPLES, MAP_SAMPLES = 8192, 1024
 """Samples in a mesh cycle; the forces jump, so that what folds back falls as one over this."""
 
 RECURS_IN = 128
@@ -94,7 +94,7 @@ RECURS_IN = 128
 DRIVE_SETTLES = 5000
 """Mesh cycles before the record of the full form, in which the drive takes up the mean loss."""
 
-AT_ONCE = 60
+AT_ONCE = 30
 
 
 def recurrence(operation: Operation, sections: np.ndarray) -> tuple[int, int]:
