@@ -22,7 +22,9 @@ def numbers(operation: Operation) -> Array:
     values = [c['m1'], c['m2'], c['c1'] / wn, c['c2'] / wn, c['k1'] / wn**2, c['k2'] / wn**2]
     values += [c['me'], operation.load_torque / c['rb2'] / c['me'] / (b * wn**2)]
     values += [c['k'] / wn**2, c['c'] / wn, c['mu']]
-    values += [c[name] for name in ('pitch', 'eps', 'approach', 'arm1', 'arm_sum')]
+    derived = operation.pair.derived
+    values += [derived.base_pitch, derived.contact_ratio, derived.approach_length]
+    values += [c['arm1'], c['arm_sum']]
     values += [c['rb1'] / c['inertia1'], c['rb2'] / c['inertia2']]
     return np.array([*values, operation.frequency_ratio, c['e_a'] / b])
 

@@ -1,10 +1,11 @@
-"""Search for a completion of the published study's table, nearer to its exponents than the preset.
+"""Search for a completion of the published study's table whose exponents are near the published.
 
 The study of friction that docs/study.md is beside leaves out masses, inertias, load torque, support
-damping and the phase of the transmission error. These are drawn about those of
-config/friction_chaos.yaml at w = 1.222; each draw is run at mu = 0, 0.03 and 0.05. Draws that show
-chaos, chaos and period-4 are verified: a long transient, long records, several initial states.
-Those that hold are told by how far their largest exponents are from the published ones.
+damping and the phase of the transmission error. Differential evolution (Storn and Price 1997, by
+SciPy) looks for them, within bounds that a pair of wheels can have: each draw is run at w = 1.222
+and mu = 0, 0.03 and 0.05, and is told by how far its largest exponents are from the published ones,
+and by whether it shows chaos, chaos and period-4. Short records show almost anything: the nearest
+draws are verified, with a long transient, long records and several initial states.
 
 Run `python examples/search_completion.py`. It repeats to the last bit, and a search that was
 stopped goes on when it is run again.
@@ -19,6 +20,7 @@ import math
 from pathlib import Path
 
 import numpy as np
+from scipy.optimize import differential_evolution
 from tqdm import tqdm
 
 from gear_dynamics import study
@@ -29,37 +31,46 @@ from gear_dynamics.study.kind import CHAOS
 from gear_dynamics.study.lyapunov_table import SOURCE
 
 W = 1.222
-SCALED = ('pinion_mass', 'gear_mass', 'pinion_inertia', 'gear_inertia', 'load_torque',
-          'support_damping_ratio')  # fmt: skip
 SEQUENCE = [CHAOS, CHAOS, 'period-4']
-SMALLEST, GREATEST = 0.03, 1.2
-"""Spreads of the draws: each has its own, so that some are near the preset and some are far."""
 
-TRANSIENT, CYCLES = 600, 400
+BOUNDS = {
+    'pinion_mass': (0.2, 2.0),
+    'gear_mass': (0.3, 4.0),
+    'pinion_gyration': (0.4, 0.95),
+    'gear_gyration': (0.4, 0.95),
+    'load_torque': (80.0, 1200.0),
+    'support_damping_ratio': (0.02, 0.4),
+    'transmission_error_phase': (-math.pi, math.pi),
+}
+"""Of each draw: radii of gyration are over the pitch radius."""
+
+TRANSIENT, CYCLES = 1000, 400
 VERIFIED = {'initial_states': 3, 'transient': 3000, 'cycles': 4000}
-AT_ONCE, SHOWN = 20, 3
+WRONG_KIND = 0.03
+"""What a motion of another kind than published adds to the distance of a draw."""
+
+AT_ONCE, SHOWN = 30, 3
 
 
-def draw(preset, seed):
+def completion(preset, point):
     """Return one completion; everything given by the published study is as it was."""
-    generator = np.random.default_rng(seed)
-    spread = SMALLEST * (GREATEST / SMALLEST) ** generator.uniform()
-    drawn = preset
-    for name in SCALED:
-        source = preset if name == 'load_torque' else preset.pair
-        factor = math.exp(spread * generator.uniform(-1, 1))
-        drawn = drawn.with_value(name, getattr(source, name) * factor)
-    phase = min(spread, 1.0) * math.pi * generator.uniform(-1, 1)
+    values = dict(zip(BOUNDS, map(float, point), strict=True))
+    for wheel in ('pinion', 'gear'):
+        pitch_radius = preset.pair.module * getattr(preset.pair, f'{wheel}_teeth') / 2
+        gyration = values.pop(f'{wheel}_gyration') * pitch_radius
+        values[f'{wheel}_inertia'] = values[f'{wheel}_mass'] * gyration**2
     # Other masses make another wn: w is published, and the speed follows.
-    return drawn.with_value('transmission_error_phase', phase).with_value('w', W)
+    for name, value in [*values.items(), ('w', W)]:
+        preset = preset.with_value(name, value)
+    return preset
 
 
 def screen(operations):
-    """Return the kinds of some motions from static deflection; a task."""
+    """Return kinds and largest exponents of some motions from static deflection; a task."""
     states = np.concatenate([scattered_states(each, 1) for each in operations])
     settled = run_cycles(*unzip(operations), TRANSIENT, states=states).states
     judged = judge(operations, settled, CYCLES, k=1)
-    return {'kind': judged['kind']}
+    return {'kind': judged['kind'], 'largest': judged['exponents'][:, 0]}
 
 
 def with_frictions(operation):
@@ -68,62 +79,102 @@ def with_frictions(operation):
 
 
 def distance(exponents):
-    """Return how far largest exponents are from the published ones, root mean square."""
-    return float(np.sqrt(np.mean((np.asarray(exponents) - list(SOURCE.values())) ** 2)))
+    """Return how far largest exponents, (..., 3), are from the published ones, root mean square."""
+    return np.sqrt(np.mean((np.asarray(exponents) - list(SOURCE.values())) ** 2, axis=-1))
 
 
-def search(draws, runner):
-    """Return the draws that show the sequence over a short record."""
+def screened(drawn, runner):
+    """Return the distances of draws over short records, and which of them show the sequence."""
     arguments = [
-        {'operations': [each for drawn in draws[i : i + AT_ONCE] for each in with_frictions(drawn)]}
-        for i in range(0, len(draws), AT_ONCE)
+        {'operations': [each for one in drawn[i : i + AT_ONCE] for each in with_frictions(one)]}
+        for i in range(0, len(drawn), AT_ONCE)
     ]
-    results = runner.run(screen, arguments, 'screening')
-    kinds = np.concatenate([result['kind'] for result in results]).reshape(-1, len(SOURCE))
-    return [drawn for drawn, kind in zip(draws, kinds, strict=True) if list(kind) == SEQUENCE]
+    results = runner.run(screen, arguments)
+    kinds, largest = (
+        np.concatenate([result[name] for result in results]).reshape(-1, len(SOURCE))
+        for name in ('kind', 'largest')
+    )
+    return distance(largest), kinds == np.array(SEQUENCE)
+
+
+def search(preset, arguments, runner):
+    """Return the draws that show the sequence over a short record, the nearest first."""
+    found = []
+
+    def penalised(points):
+        drawn = [completion(preset, point) for point in points.T]
+        far, right = screened(drawn, runner)
+        found.extend((far[i], drawn[i]) for i in np.flatnonzero(right.all(axis=1)))
+        return far + WRONG_KIND * np.sum(~right, axis=1)
+
+    with tqdm(total=arguments.generations, desc='searching', unit='generation') as bar:
+        differential_evolution(
+            penalised,
+            list(BOUNDS.values()),
+            popsize=arguments.members,
+            maxiter=arguments.generations,
+            tol=0,
+            mutation=(0.4, 1.0),
+            recombination=0.8,
+            seed=arguments.seed,
+            polish=False,
+            updating='deferred',
+            vectorized=True,
+            callback=lambda *_, **__: bar.update() and None,
+        )
+    return [drawn for _, drawn in sorted(found, key=lambda each: each[0])]
 
 
 def verify(drawn, runner):
-    """Return distance and text of a completion; infinitely far if the sequence does not hold."""
+    """Return whether the sequence of a completion holds, its distance and its text."""
     outcome = study.lyapunov(drawn, list(SOURCE), **VERIFIED, runner=runner)
     kinds = outcome.arrays['kind'].reshape(len(SOURCE), -1)
     largest = outcome.arrays['exponents'][:, 0].reshape(kinds.shape).mean(axis=1)
-    holds = np.all(kinds == np.array(SEQUENCE)[:, np.newaxis])
-    return distance(largest) if holds else math.inf, f'{describe(drawn)}\n{outcome.text}'
+    holds = bool(np.all(kinds == np.array(SEQUENCE)[:, np.newaxis]))
+    return holds, float(distance(largest)), f'{describe(drawn)}\n{outcome.text}'
 
 
 def describe(drawn):
     """Return what was drawn, in a line."""
-    values = {name: getattr(drawn.pair, name) for name in SCALED if name != 'load_torque'}
-    values |= {'load_torque': drawn.load_torque}
-    values |= {'transmission_error_phase': drawn.pair.transmission_error_phase}
-    return ' '.join(f'{name}={value:.6g}' for name, value in values.items())
+    names = ('pinion_mass', 'gear_mass', 'pinion_inertia', 'gear_inertia',
+             'support_damping_ratio', 'transmission_error_phase')  # fmt: skip
+    values = {name: getattr(drawn.pair, name) for name in names}
+    values |= {'load_torque': drawn.load_torque, 'speed': drawn.speed}
+    return ' '.join(f'{name}={value:.9g}' for name, value in values.items())
 
 
 def main():
     """Search, verify and print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument('--draws', type=int, default=2100, help='by default 2100')
+    parser.add_argument('--generations', type=int, default=60, help='by default 60')
+    parser.add_argument(
+        '--members', type=int, default=30, help='of a generation, for each unknown; by default 30'
+    )
+    parser.add_argument(
+        '--verified', type=int, default=60, help='at most this many draws; by default 60'
+    )
+    parser.add_argument('--seed', type=int, default=0, help='of the draws; by default 0')
     preset = study.friction_chaos()
     ratio = preset.pair.mesh_damping_ratio
     parser.add_argument(
         '--mesh-damping-ratio', type=float, default=ratio, help=f'of each pair; by default {ratio}'
     )
     arguments = parser.parse_args()
-    count = arguments.draws
-    if count < 1:
-        parser.error(f'--draws is {count}: it must be 1 or more')
-    preset = preset.with_value('mesh_damping_ratio', arguments.mesh_damping_ratio)
-    runner = study.Runner(Path('search_parts'), progress=True)
-    found = search([draw(preset, seed) for seed in range(count)], runner)
-    quiet = study.Runner(Path('search_parts'))
-    verified = [verify(drawn, quiet) for drawn in tqdm(found, 'verifying')]
-    held = sorted(each for each in verified if math.isfinite(each[0]))
-    print(f'{len(found)} of {count} draws show {", ".join(SEQUENCE)}; {len(held)} hold')
-    for far, text in [*held[:SHOWN], verify(preset, quiet)]:
+    for name in ('generations', 'members', 'verified'):
+        if getattr(arguments, name) < 1:
+            parser.error(f'--{name} is {getattr(arguments, name)}: it must be 1 or more')
+    runner = study.Runner(Path('search_parts'))
+    first = preset.with_value('mesh_damping_ratio', arguments.mesh_damping_ratio)
+    found = search(first, arguments, runner)
+    verified = [verify(each, runner) for each in tqdm(found[: arguments.verified], 'verifying')]
+    held = sorted(each[1:] for each in verified if each[0])
+    print(
+        f'{len(found)} draws showed {", ".join(SEQUENCE)}; of the nearest {len(verified)} '
+        f'{len(held)} hold'
+    )
+    for far, text in [*held[:SHOWN], verify(preset, runner)[1:]]:
         print(f'\n{far:.4f} away from the published exponents: {text}')
-    for each in (runner, quiet):
-        each.forget()
+    runner.forget()
 
 
 if __name__ == '__main__':

@@ -33,9 +33,11 @@ def test_default_file_is_the_default_pair_and_rig():
     assert {*gd.GearPair().to_mapping(), *SimSettings().to_mapping()} == set(values)
 
 
-def test_rig_that_is_shipped_is_accepted():
-    check_parameter_file(ROOT / 'config' / 'friction_chaos.yaml')
-    assert gd.GearPair.from_yaml(ROOT / 'config' / 'friction_chaos.yaml') != gd.GearPair()
+@pytest.mark.parametrize('name', ['friction_chaos', 'friction_chaos_near'])
+def test_rig_that_is_shipped_is_accepted(name):
+    path = ROOT / 'config' / f'{name}.yaml'
+    check_parameter_file(path)
+    assert gd.GearPair.from_yaml(path) != gd.GearPair()
 
 
 def test_default_file_gives_each_value_its_source():

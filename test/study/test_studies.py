@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from ros_support import ROOT
 from study.convergence import assert_table_ends_at_the_exponents
 
 from gear_dynamics import study
@@ -14,6 +15,7 @@ from gear_dynamics.study.figures.style import save_figure
 from gear_dynamics.study.initial import states_at
 from gear_dynamics.study.kind import Kind
 from gear_dynamics.study.lyapunov_table import (
+    SOURCE,
     Finding,
     differing_words,
     is_published,
@@ -21,10 +23,12 @@ from gear_dynamics.study.lyapunov_table import (
     support_exponents,
     unsettled_words,
 )
+from gear_dynamics.study.operation import read_operation
 from gear_dynamics.study.orbit_diagram import in_kind, in_place
 from gear_dynamics.study.outcome import write_outcome
 
 CHAOS = study.friction_chaos()
+NEAR = read_operation(ROOT / 'config' / 'friction_chaos_near.yaml')
 
 
 def test_preset_is_at_the_frequency_ratio_of_the_source():
@@ -59,6 +63,19 @@ def test_lyapunov_shows_the_sequence_and_the_exact_exponents():
             assert values[nearest] == pytest.approx(exact, abs=5e-4 + 4 * errors[nearest].max())
     divergence = outcome.table['mean_divergence [1/tau]']
     assert outcome.arrays['exponents'].sum(axis=1) == pytest.approx(divergence, rel=1e-6)
+
+
+def test_nearest_completion_shows_the_sequence_and_is_nearer_to_the_published_exponents():
+    published = list(SOURCE.values())
+    apart = []
+    for operation in (CHAOS, NEAR):
+        outcome = study.lyapunov(operation, initial_states=2, transient=1000, cycles=1500)
+        assert list(outcome.table['kind [-]']) == ['chaotic'] * 4 + ['period-4'] * 2
+        largest = outcome.arrays['exponents'][:, 0].reshape(3, 2).mean(axis=1)
+        apart.append(np.sqrt(np.mean((largest - published) ** 2)))
+        # The tolerance is that of speed, which is given to nine digits.
+        assert operation.frequency_ratio == pytest.approx(1.222, rel=1e-8)
+    assert apart[1] < 0.5 * apart[0]
 
 
 def test_bifurcation_goes_on_from_one_value_to_the_next():
@@ -182,12 +199,13 @@ def test_pooled_error_is_the_larger_of_that_within_and_that_between():
     assert pooled(spread, errors) == pytest.approx((0.0, np.sqrt(4 / 3) / 2))
 
 
-def test_only_the_preset_at_its_speed_stands_beside_the_published_exponents():
+def test_completions_alone_stand_beside_the_published_exponents():
     assert is_published(CHAOS)
+    assert is_published(NEAR)
+    assert is_published(CHAOS.with_value('load_torque', 2 * CHAOS.load_torque))
     assert is_published(CHAOS.with_value('friction_coefficient', 0.0).with_value('w', 1.222))
     assert not is_published(CHAOS.with_value('w', 1.223))
-    assert not is_published(CHAOS.with_value('load_torque', 2 * CHAOS.load_torque))
-    assert not is_published(CHAOS.with_value('mesh_damping_ratio', 0.09))
+    assert not is_published(CHAOS.with_value('half_backlash', 140e-6))
     assert not is_published(study.default_operation())
 
 
