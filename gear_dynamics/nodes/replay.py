@@ -151,8 +151,12 @@ class Replay:
                 yield message
 
     def _publish(self, message: LogMessage) -> bool:
-        if not try_publish(self._publishers[message.channel.topic], message.data):
+        publisher = self._publishers[message.channel.topic]
+        if not try_publish(publisher, message.data):
             return False
+        if self._settings.rate == 0 and message.channel.topic in self._latched:
+            # What comes after it means nothing without it, and must not overtake it.
+            publisher.wait_for_all_acked(Duration(seconds=ACKNOWLEDGED))
         self._played += 1
         self._position = message.log_time
         if self._clock is not None:
@@ -189,6 +193,9 @@ class Replay:
             'position [s]': (self._position - self._begin) / SECOND,
             'played': self._played,
             'skipped': self._skipped,
+            'topics without a listener': sum(
+                each.get_subscription_count() == 0 for each in self._publishers.values()
+            ),
         }
         return Report(level, 'paused' if self._player.paused else 'playing', values)
 

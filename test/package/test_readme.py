@@ -75,11 +75,10 @@ def test_example_hears_the_stream(domain):
         try:
             lines = [listener.stdout.readline() for _ in range(20)]
         finally:
-            # A SIGINT that comes while rclpy converts a message may end in a traceback of rclpy's.
-            listener.terminate()
+            # SIGINT and SIGTERM may each meet a moment that ends in a traceback of rclpy's own.
+            listener.kill()
         errors = listener.communicate(timeout=20)[1]
-    assert listener.returncode == 0, errors
-    assert 'Traceback' not in errors
+    assert errors == ''
     said = [re.fullmatch(r'(\d+)\.(\d{9}): (\d+) samples, ([\d.]+) m/s2 RMS\n', x) for x in lines]
     stamps = [int(each[1]) * 10**9 + int(each[2]) for each in said]
     assert {b - a for a, b in itertools.pairwise(stamps)} == {10_000_000}
