@@ -89,24 +89,24 @@ def test_a_worker_killed_in_the_middle_leaves_every_bit_as_it_was(address, tmp_p
         assert np.array_equal(there.arrays[name], array), name
 
 
-def test_exponents_are_the_same_on_a_cluster_to_the_last_bit(address):
-    size = {'initial_states': 2, 'transient': 10, 'cycles': 200}
+@pytest.mark.parametrize(
+    ('name', 'size'),
+    [
+        ('lyapunov', {'initial_states': 2, 'transient': 10, 'cycles': 200}),
+        (
+            'bifurcation',
+            {'begin': 1.15, 'end': 1.2, 'count': 22, 'transient': 20, 'cycles': 100},
+        ),
+    ],
+)
+def test_results_are_the_same_on_a_cluster_to_the_last_bit(address, name, size):
+    run = getattr(study, name)
     runner = Runner(cluster=address)
-    there = study.lyapunov(CHAOS, [0.0, 0.05], **size, runner=runner)
+    there = run(CHAOS, [0.0, 0.05], **size, runner=runner)
     runner.close()
-    here = study.lyapunov(CHAOS, [0.0, 0.05], **size)
-    for name, array in here.arrays.items():
-        assert there.arrays[name].tobytes() == array.tobytes(), name
-
-
-def test_sweeps_are_the_same_on_a_cluster_to_the_last_bit(address):
-    size = {'begin': 1.15, 'end': 1.2, 'count': 22, 'transient': 20, 'cycles': 100}
-    runner = Runner(cluster=address)
-    there = study.bifurcation(CHAOS, [0.0, 0.03], **size, runner=runner)
-    runner.close()
-    here = study.bifurcation(CHAOS, [0.0, 0.03], **size)
-    for name, array in here.arrays.items():
-        assert there.arrays[name].tobytes() == array.tobytes(), name
+    here = run(CHAOS, [0.0, 0.05], **size)
+    for column, array in here.arrays.items():
+        assert there.arrays[column].tobytes() == array.tobytes(), column
 
 
 def test_a_task_that_ends_its_workers_is_given_up(address):
