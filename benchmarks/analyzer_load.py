@@ -24,15 +24,16 @@ from typing import Any
 
 import numpy as np
 
-from gear_dynamics.analysis.monitor import Monitor, warm_up
-from gear_dynamics.analysis.spectrum import amplitude_spectrum
-from gear_dynamics.analysis.thresholds import Thresholds
-from gear_dynamics.bag.tables import columns_as_float32, decode_table
-from gear_dynamics.configuration import Rig, configuration_text
-from gear_dynamics.model.columns import CHANNELS
+from gear_dynamics.machine.columns import CHANNELS
+from gear_dynamics.machine.configuration import Rig
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.simulator import Simulator
-from gear_dynamics.settings import AnalyzerSettings, SimSettings
+from gear_dynamics.monitoring.monitor import Monitor, warm_up
+from gear_dynamics.monitoring.thresholds import Thresholds
+from gear_dynamics.parameters.settings import AnalyzerSettings, SimSettings
+from gear_dynamics.signal.spectrum import amplitude_spectrum
+from gear_dynamics.simulation.configuration import configuration_text
+from gear_dynamics.simulation.simulator import Simulator
+from gear_dynamics.wire.tables import columns_as_float32, decode_table
 
 ROOT = Path(__file__).resolve().parents[1]
 BLOCK = 512

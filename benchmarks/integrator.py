@@ -22,10 +22,10 @@ import numpy as np
 from equations import right_hand_side, runge_kutta_4
 from scipy.integrate import solve_ivp
 
-from gear_dynamics.model.columns import CHANNELS
+from gear_dynamics.machine.columns import CHANNELS
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.run_settings import RunSettings
-from gear_dynamics.model.simulator import Simulator, simulate
+from gear_dynamics.parameters.run_settings import RunSettings
+from gear_dynamics.simulation.simulator import Simulator, simulate
 
 RATE = 51200.0
 SPEED, LOAD = 104.72, 150.0

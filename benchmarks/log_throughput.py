@@ -25,9 +25,9 @@ from rosbags.rosbag2.enums import StoragePlugin
 from rosbags.typesys import Stores, get_typestore
 
 import gear_dynamics as gd
-from gear_dynamics.bag.messages import deserialize, message_type
-from gear_dynamics.bag.tables import SAMPLES_FLOAT32, TABLE_TYPE, columns_as_float32, encode_table
 from gear_dynamics.bag.writer import LogWriter
+from gear_dynamics.wire.messages import deserialize, message_type
+from gear_dynamics.wire.tables import SAMPLES_FLOAT32, TABLE_TYPE, columns_as_float32, encode_table
 
 RATE = 51200
 BLOCK = 512

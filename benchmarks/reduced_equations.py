@@ -9,7 +9,7 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-from gear_dynamics.model.constants import pack
+from gear_dynamics.integrator.constants import pack
 from gear_dynamics.study.operation import Operation
 
 Array = np.ndarray

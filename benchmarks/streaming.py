@@ -101,8 +101,8 @@ def listen(mode: str, seconds: float, namespaces: Sequence[str]) -> None:
     from rclpy.qos import HistoryPolicy, QoSProfile
     from sensor_msgs.msg import PointCloud2
 
-    from gear_dynamics.bag.tables import decode_table
     from gear_dynamics.nodes.middleware import use_profile
+    from gear_dynamics.wire.tables import decode_table
 
     use_profile()
     rclpy.init(args=[])
@@ -280,8 +280,8 @@ def start(seconds: float) -> None:
 
 def replay(seconds: float) -> None:
     """Print how evenly a log is played at rate 1, and how fast at rate 0."""
-    from gear_dynamics.bag.tables import SAMPLES_FLOAT32, TABLE_TYPE, encode_table
     from gear_dynamics.bag.writer import LogWriter
+    from gear_dynamics.wire.tables import SAMPLES_FLOAT32, TABLE_TYPE, encode_table
 
     with tempfile.TemporaryDirectory() as folder:
         writer = LogWriter(Path(folder), {}, free_floor=1.0)

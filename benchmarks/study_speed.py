@@ -20,7 +20,7 @@ from reduced_equations import jacobian, motion, motion_and_variations, numbers
 from scipy.integrate import solve_ivp
 
 from gear_dynamics import study
-from gear_dynamics.model.cycles import run_cycles
+from gear_dynamics.dynamics.cycles import run_cycles
 from gear_dynamics.study.initial import scattered_states
 from gear_dynamics.study.operation import Operation
 

@@ -24,7 +24,7 @@ from scipy.optimize import differential_evolution
 from tqdm import tqdm
 
 from gear_dynamics import study
-from gear_dynamics.model.cycles import run_cycles
+from gear_dynamics.dynamics.cycles import run_cycles
 from gear_dynamics.study.initial import scattered_states
 from gear_dynamics.study.judgement import judge, unzip
 from gear_dynamics.study.kind import CHAOS

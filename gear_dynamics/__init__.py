@@ -7,21 +7,21 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from gear_dynamics.bag.reader import read_log
-    from gear_dynamics.model.batch import simulate_batch
-    from gear_dynamics.model.columns import EventKind
+    from gear_dynamics.machine.columns import EventKind
     from gear_dynamics.model.gear_pair import GearPair
-    from gear_dynamics.model.parameter import ParameterError
-    from gear_dynamics.model.simulator import IntegrationError, Simulator, simulate
+    from gear_dynamics.parameters.parameter import ParameterError
+    from gear_dynamics.simulation.batch import simulate_batch
+    from gear_dynamics.simulation.simulator import IntegrationError, Simulator, simulate
 
 _HOMES = {
-    'EventKind': 'gear_dynamics.model.columns',
+    'EventKind': 'gear_dynamics.machine.columns',
     'GearPair': 'gear_dynamics.model.gear_pair',
-    'IntegrationError': 'gear_dynamics.model.simulator',
-    'ParameterError': 'gear_dynamics.model.parameter',
-    'Simulator': 'gear_dynamics.model.simulator',
+    'IntegrationError': 'gear_dynamics.simulation.simulator',
+    'ParameterError': 'gear_dynamics.parameters.parameter',
+    'Simulator': 'gear_dynamics.simulation.simulator',
     'read_log': 'gear_dynamics.bag.reader',
-    'simulate': 'gear_dynamics.model.simulator',
-    'simulate_batch': 'gear_dynamics.model.batch',
+    'simulate': 'gear_dynamics.simulation.simulator',
+    'simulate_batch': 'gear_dynamics.simulation.batch',
 }
 
 __all__ = [

@@ -18,7 +18,7 @@ from tqdm import tqdm
 
 from gear_dynamics.bag.source import LogError
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.settings import SimSettings
+from gear_dynamics.parameters.settings import SimSettings
 
 if TYPE_CHECKING:
     from gear_dynamics.nodes.remote import Remote

@@ -10,7 +10,7 @@ import numpy as np
 from scipy import ndimage, signal
 
 from gear_dynamics.bag.reader import read_log
-from gear_dynamics.settings import SimSettings
+from gear_dynamics.parameters.settings import SimSettings
 
 SETTLED = 4.0
 """The end of each half, in which the motion has settled at its speed [s]."""

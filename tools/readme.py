@@ -5,8 +5,8 @@ Usage: python tools/readme.py
 
 from pathlib import Path
 
-from gear_dynamics.model.parameter import Parameter, Value
-from gear_dynamics.parameter_files import NODES
+from gear_dynamics.parameters.files import NODES
+from gear_dynamics.parameters.parameter import Parameter, Value
 
 ROOT = Path(__file__).resolve().parents[1]
 README = ROOT / 'README.md'

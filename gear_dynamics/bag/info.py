@@ -11,8 +11,8 @@ import numpy as np
 
 from gear_dynamics.bag.log import SAMPLES_TOPIC, Log, LogPath
 from gear_dynamics.bag.source import Damage, LogChannel, McapSource, ReadMessage
-from gear_dynamics.bag.tables import Table, TableError, decode_table
-from gear_dynamics.configuration import Rig
+from gear_dynamics.machine.configuration import Rig
+from gear_dynamics.wire.tables import Table, TableError, decode_table
 
 
 @dataclasses.dataclass(frozen=True)

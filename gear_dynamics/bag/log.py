@@ -11,8 +11,8 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
 
-from gear_dynamics.bag.messages import MessageError, header_stamp
 from gear_dynamics.bag.source import Damage, LogError, McapSource, ReadMessage
+from gear_dynamics.wire.messages import MessageError, header_stamp
 
 LogPath = str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
 

@@ -16,8 +16,8 @@ from mcap.writer import MCAP0_MAGIC
 
 from gear_dynamics.bag.chunk_builder import ChunkBuilder
 from gear_dynamics.bag.mcap_index import McapIndex
-from gear_dynamics.bag.messages import message_type
 from gear_dynamics.bag.metadata import FileSummary, Topic, bag_information
+from gear_dynamics.wire.messages import message_type
 
 CHUNK_SIZE = 1 << 20
 """Bytes of messages, before compression, after which a chunk is closed."""

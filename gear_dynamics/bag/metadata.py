@@ -10,7 +10,7 @@ from typing import Any
 
 import yaml
 
-from gear_dynamics.bag.messages import message_type
+from gear_dynamics.wire.messages import message_type
 
 METADATA_FILE = 'metadata.yaml'
 

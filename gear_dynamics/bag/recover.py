@@ -10,9 +10,9 @@ import yaml
 from gear_dynamics.bag.folder import Limits
 from gear_dynamics.bag.log import Log, LogPath
 from gear_dynamics.bag.mcap_file import McapFile
-from gear_dynamics.bag.messages import MessageError, message_type
 from gear_dynamics.bag.metadata import FileSummary, OfferedQos, Topic, write_metadata
 from gear_dynamics.bag.source import Damage, LogChannel, LogError
+from gear_dynamics.wire.messages import MessageError, message_type
 
 
 @dataclasses.dataclass(frozen=True)

@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from gear_dynamics.analysis.spectrum import amplitudes, mean_square_lines, window_samples
-from gear_dynamics.analysis.statistics import kurtosis, rms
 from gear_dynamics.bag.log import SAMPLES_TOPIC, Log
-from gear_dynamics.bag.messages import MessageError, deserialize
 from gear_dynamics.bag.reader import iter_rows
 from gear_dynamics.bag.source import LogError
-from gear_dynamics.configuration import Rig
-from gear_dynamics.model.columns import EventKind
+from gear_dynamics.machine.columns import EventKind
+from gear_dynamics.machine.configuration import Rig
+from gear_dynamics.signal.spectrum import amplitudes, mean_square_lines, window_samples
+from gear_dynamics.signal.statistics import kurtosis, rms
+from gear_dynamics.wire.messages import MessageError, deserialize
 
 SEGMENT = 8192
 """Samples in a spectrum: 6.25 Hz a line at the default rate."""

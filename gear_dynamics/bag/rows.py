@@ -9,10 +9,10 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from gear_dynamics.bag.messages import deserialize
 from gear_dynamics.bag.source import LogError
-from gear_dynamics.bag.tables import TABLE_TYPE, decode_table
-from gear_dynamics.model.columns import SAMPLE_COLUMNS, SAMPLES
+from gear_dynamics.machine.columns import SAMPLE_COLUMNS, SAMPLES
+from gear_dynamics.wire.messages import deserialize
+from gear_dynamics.wire.tables import TABLE_TYPE, decode_table
 
 _STAMP = struct.Struct('<iI')
 

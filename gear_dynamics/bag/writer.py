@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 
 from gear_dynamics.bag.chunk_builder import COMPRESSIONS
 from gear_dynamics.bag.folder import BagFolder, Limits, LogDeleted, LogStopped
-from gear_dynamics.bag.messages import message_type
 from gear_dynamics.bag.metadata import OfferedQos, Topic
+from gear_dynamics.wire.messages import message_type
 
 SYNC_INTERVAL = 0.4
 """Seconds between bringing everything to the disk; a crash loses little more than this."""

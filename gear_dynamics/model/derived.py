@@ -6,7 +6,7 @@ import dataclasses
 import math
 from typing import TYPE_CHECKING
 
-from gear_dynamics.model.parameter import ParameterError
+from gear_dynamics.parameters.parameter import ParameterError
 
 if TYPE_CHECKING:
     from gear_dynamics.model.gear_pair import GearPair

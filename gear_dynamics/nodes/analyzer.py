@@ -12,15 +12,12 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile
 from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import Float64, String
 
-from gear_dynamics.analysis.monitor import Monitor, warm_up
-from gear_dynamics.analysis.names import check_names
-from gear_dynamics.analysis.results import ConditionResult, Result, TableResult, span_of_table
-from gear_dynamics.analysis.thresholds import ThresholdError, Thresholds
-from gear_dynamics.bag.messages import MessageError, deserialize
-from gear_dynamics.bag.tables import Table, TableError, decode_table, encode_table
 from gear_dynamics.config_files import config_file
-from gear_dynamics.configuration import Rig
-from gear_dynamics.model.parameter import ParameterError
+from gear_dynamics.machine.configuration import Rig
+from gear_dynamics.monitoring.monitor import Monitor, warm_up
+from gear_dynamics.monitoring.names import check_names
+from gear_dynamics.monitoring.results import ConditionResult, Result, TableResult, span_of_table
+from gear_dynamics.monitoring.thresholds import ThresholdError, Thresholds
 from gear_dynamics.nodes.analyzer_health import AnalyzerHealth
 from gear_dynamics.nodes.analyzer_log import (
     CONDITION,
@@ -36,7 +33,10 @@ from gear_dynamics.nodes.condition import condition_bytes
 from gear_dynamics.nodes.diagnostics import Diagnostics
 from gear_dynamics.nodes.parameters import NodeParameters
 from gear_dynamics.nodes.run import run_node
-from gear_dynamics.settings import AnalyzerSettings
+from gear_dynamics.parameters.parameter import ParameterError
+from gear_dynamics.parameters.settings import AnalyzerSettings
+from gear_dynamics.wire.messages import MessageError, deserialize
+from gear_dynamics.wire.tables import Table, TableError, decode_table, encode_table
 
 ABOUT = 'Analyses the stream of gear_pair/samples and logs the topics of the rig to MCAP.'
 

@@ -10,9 +10,9 @@ from rclpy.node import Node
 
 from gear_dynamics.bag.metadata import OfferedQos
 from gear_dynamics.bag.writer import LogWriter
-from gear_dynamics.configuration import versions
 from gear_dynamics.nodes.diagnostics import Level, Report
-from gear_dynamics.settings import AnalyzerSettings
+from gear_dynamics.parameters.settings import AnalyzerSettings
+from gear_dynamics.versions import versions
 
 TABLE = 'sensor_msgs/msg/PointCloud2'
 CONDITION = 'diagnostic_msgs/msg/DiagnosticArray'

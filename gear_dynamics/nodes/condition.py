@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from gear_dynamics.analysis.results import ConditionResult, ConditionRow, Span
-from gear_dynamics.bag.messages import message_class, serialize
+from gear_dynamics.monitoring.results import ConditionResult, ConditionRow, Span
+from gear_dynamics.wire.messages import message_class, serialize
 
 SECOND = 1_000_000_000
 

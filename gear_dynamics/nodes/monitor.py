@@ -10,9 +10,9 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from sensor_msgs.msg import JointState
 
-from gear_dynamics.analysis.decimation import Decimator
 from gear_dynamics.nodes.pacing import SECOND
-from gear_dynamics.nodes.stamped_vectors import ACCEL, WRENCH, StampedVectors
+from gear_dynamics.signal.decimation import Decimator
+from gear_dynamics.wire.stamped_vectors import ACCEL, WRENCH, StampedVectors
 
 JOINT_STATE_RATE = 50.0
 """Joint states per second of model time [Hz]."""

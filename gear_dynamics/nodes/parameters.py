@@ -16,8 +16,8 @@ from rcl_interfaces.msg import (
 from rcl_interfaces.srv import ListParameters
 from rclpy.node import Node
 
-from gear_dynamics.model.parameter import Parameter, ParameterError, ParameterSet, Value
-from gear_dynamics.parameter_files import known_names, refuse_unknown
+from gear_dynamics.parameters.files import known_names, refuse_unknown
+from gear_dynamics.parameters.parameter import Parameter, ParameterError, ParameterSet, Value
 
 _Set = TypeVar('_Set', bound=ParameterSet)
 

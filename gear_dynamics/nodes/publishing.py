@@ -5,7 +5,7 @@ from __future__ import annotations
 from rclpy.publisher import Publisher
 from rclpy.qos import HistoryPolicy
 
-from gear_dynamics.bag.messages import message_class, serialize
+from gear_dynamics.wire.messages import message_class, serialize
 
 
 def try_publish(publisher: Publisher, data: bytes) -> bool:

@@ -20,16 +20,16 @@ from std_srvs.srv import SetBool, Trigger
 from tqdm import tqdm
 
 from gear_dynamics.bag.log import Log
-from gear_dynamics.bag.messages import MessageError, deserialize, message_class
 from gear_dynamics.bag.reader import LogMessage, read_messages
 from gear_dynamics.bag.source import Damage, LogChannel, LogError
-from gear_dynamics.model.parameter import ParameterError
 from gear_dynamics.nodes.diagnostics import Diagnostics, Level, Report
 from gear_dynamics.nodes.parameters import NodeParameters
 from gear_dynamics.nodes.player import Player
 from gear_dynamics.nodes.publishing import clock_bytes, try_publish
 from gear_dynamics.nodes.run import NodeError, run_node
-from gear_dynamics.settings import ReplaySettings
+from gear_dynamics.parameters.parameter import ParameterError
+from gear_dynamics.parameters.settings import ReplaySettings
+from gear_dynamics.wire.messages import MessageError, deserialize, message_class
 
 ABOUT = (
     'Plays a log back on its own topics: replay --ros-args -p log:=PATH. '

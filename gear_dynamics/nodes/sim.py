@@ -15,10 +15,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import Float64, String
 from std_srvs.srv import SetBool, Trigger
 
-from gear_dynamics.configuration import configuration_text
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.parameter import ParameterError
-from gear_dynamics.model.simulator import IntegrationError, Simulator
 from gear_dynamics.nodes.compiling import compiling
 from gear_dynamics.nodes.diagnostics import Diagnostics
 from gear_dynamics.nodes.monitor import Monitor
@@ -27,7 +24,10 @@ from gear_dynamics.nodes.parameters import NodeParameters
 from gear_dynamics.nodes.run import NodeError, run_node
 from gear_dynamics.nodes.sim_health import SimHealth
 from gear_dynamics.nodes.stream import Stream
-from gear_dynamics.settings import SimSettings
+from gear_dynamics.parameters.parameter import ParameterError
+from gear_dynamics.parameters.settings import SimSettings
+from gear_dynamics.simulation.configuration import configuration_text
+from gear_dynamics.simulation.simulator import IntegrationError, Simulator
 
 ABOUT = 'Streams the vibration of a simulated spur gear pair on gear_pair/samples in real time.'
 

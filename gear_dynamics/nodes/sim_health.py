@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import time
 
-from gear_dynamics.model.simulator import Simulator
 from gear_dynamics.nodes.diagnostics import Level, Report, Task
 from gear_dynamics.nodes.pacing import SECOND, Schedule
-from gear_dynamics.settings import SimSettings
+from gear_dynamics.parameters.settings import SimSettings
+from gear_dynamics.simulation.simulator import Simulator
 
 SLOW = 0.98
 """Share of the wanted pace below which the sim warns that it cannot keep up."""

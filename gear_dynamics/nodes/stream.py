@@ -10,8 +10,8 @@ from rclpy.qos import HistoryPolicy, QoSProfile
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import PointCloud2
 
-from gear_dynamics.bag.tables import columns_as_float32, encode_table
 from gear_dynamics.nodes.publishing import clock_bytes, try_publish
+from gear_dynamics.wire.tables import columns_as_float32, encode_table
 
 FRAME = 'line_of_action'
 

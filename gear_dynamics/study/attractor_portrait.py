@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gear_dynamics.analysis.spectrum import amplitude_spectrum
-from gear_dynamics.model.cycles import run_cycles
+from gear_dynamics.dynamics.cycles import run_cycles
+from gear_dynamics.signal.spectrum import amplitude_spectrum
 from gear_dynamics.study.exponents import exponent_columns
 from gear_dynamics.study.initial import scattered_states
 from gear_dynamics.study.lyapunov_table import (

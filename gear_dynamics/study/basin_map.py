@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gear_dynamics.model.cycles import run_cycles
+from gear_dynamics.dynamics.cycles import run_cycles
 from gear_dynamics.study.exponents import (
     EXPONENT_UNITS,
     convergence_table,

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from gear_dynamics.model.cycles import run_cycles
+from gear_dynamics.dynamics.cycles import run_cycles
 from gear_dynamics.study.exponents import (
     EXPONENT_UNITS,
     convergence_table,

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gear_dynamics.analysis.regime import recurrence_period
-from gear_dynamics.model.cycles import run_cycles
-from gear_dynamics.model.parameter import ParameterError
+from gear_dynamics.dynamics.cycles import run_cycles
+from gear_dynamics.dynamics.regime import recurrence_period
+from gear_dynamics.parameters.parameter import ParameterError
 from gear_dynamics.study.harmonics import (
     DRAWN,
     HARMONICS,

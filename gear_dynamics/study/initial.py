@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from gear_dynamics.model.batch import gather
-from gear_dynamics.model.cycles import settings
-from gear_dynamics.model.variation import VARIED
+from gear_dynamics.dynamics.cycles import settings
+from gear_dynamics.integrator.variation import VARIED
+from gear_dynamics.simulation.batch import gather
 from gear_dynamics.study.operation import Operation
 
 REACH = (1.5, 0.5)

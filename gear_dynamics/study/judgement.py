@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gear_dynamics.analysis.regime import ENOUGH
-from gear_dynamics.model.cycles import run_cycles
-from gear_dynamics.model.variation import VARIED
+from gear_dynamics.dynamics.cycles import run_cycles
+from gear_dynamics.dynamics.regime import ENOUGH
+from gear_dynamics.integrator.variation import VARIED
 from gear_dynamics.study.exponents import exponents, sum_error
 from gear_dynamics.study.initial import first_variations
 from gear_dynamics.study.kind import UNDECIDED, kind_of

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gear_dynamics.analysis.regime import ENOUGH, REGULAR, recurrence_period
-from gear_dynamics.analysis.zero_one import zero_one_test
+from gear_dynamics.dynamics.regime import ENOUGH, REGULAR, recurrence_period
+from gear_dynamics.dynamics.zero_one import zero_one_test
 
 LONGEST_PERIOD = 32
 """Longest period looked for, in mesh cycles."""

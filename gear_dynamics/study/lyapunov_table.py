@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gear_dynamics.model.parameter import ParameterError
+from gear_dynamics.parameters.parameter import ParameterError
 from gear_dynamics.study.exponents import (
     AGREE,
     EXPONENT_UNITS,

@@ -9,11 +9,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from gear_dynamics import parameter_files
 from gear_dynamics.config_files import config_file
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.parameter import ParameterError
-from gear_dynamics.model.run_settings import RunSettings
+from gear_dynamics.parameters import files as parameter_files
+from gear_dynamics.parameters.parameter import ParameterError
+from gear_dynamics.parameters.run_settings import RunSettings
 
 FREQUENCY_RATIO = 'w'
 """Name of the ratio of the mesh frequency to wn; it stands for the speed."""

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gear_dynamics.model.parameter import ParameterError
+from gear_dynamics.parameters.parameter import ParameterError
 from gear_dynamics.study.chaos_onset import FINER, TRANSIENT, chaotic_ranges, onset_words, refine
 from gear_dynamics.study.exponents import (
     EXPONENT_UNITS,

@@ -15,12 +15,12 @@ from typing import Any
 import numpy as np
 
 import gear_dynamics
-from gear_dynamics.configuration import versions
+from gear_dynamics.versions import versions
 
 Arrays = dict[str, np.ndarray]
 Task = Callable[..., Arrays]
 
-SOURCES = ('model', 'analysis', 'study')
+SOURCES = 'parameters machine model integrator simulation dynamics signal study'.split()
 """Folders of the package whose code decides the results."""
 
 _DIGEST = 32
@@ -106,7 +106,7 @@ def code() -> dict[str, str]:
     """Return what decides results beside arguments: versions, and a digest of the sources."""
     root = Path(gear_dynamics.__file__).parent
     digest = hashlib.sha256()
-    for path in sorted(path for folder in SOURCES for path in (root / folder).glob('*.py')):
+    for path in sorted(path for folder in SOURCES for path in (root / folder).rglob('*.py')):
         digest.update(f'{path.relative_to(root).as_posix()}\0'.encode())
         digest.update(path.read_bytes())
     return {**versions(), 'sources': digest.hexdigest()[:12]}

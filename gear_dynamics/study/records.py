@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gear_dynamics.model.cycles import run_cycles
-from gear_dynamics.model.nearby import nearby_growth
+from gear_dynamics.dynamics.cycles import run_cycles
+from gear_dynamics.dynamics.nearby import nearby_growth
 from gear_dynamics.study.initial import first_variations
 from gear_dynamics.study.operation import Operation
 from gear_dynamics.study.tasks import Arrays, Runner, chunks

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from gear_dynamics.model.cycles import run_cycles
+from gear_dynamics.dynamics.cycles import run_cycles
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.parameter import ParameterError
-from gear_dynamics.model.run_settings import RunSettings
+from gear_dynamics.parameters.parameter import ParameterError
+from gear_dynamics.parameters.run_settings import RunSettings
 from gear_dynamics.study.exponents import EXPONENT_UNITS
 from gear_dynamics.study.judgement import judge, unzip
 from gear_dynamics.study.operation import Operation

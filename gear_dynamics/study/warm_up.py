@@ -6,8 +6,8 @@ import contextlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from gear_dynamics.model.cycles import run_cycles
-from gear_dynamics.model.nearby import nearby_growth
+from gear_dynamics.dynamics.cycles import run_cycles
+from gear_dynamics.dynamics.nearby import nearby_growth
 from gear_dynamics.study.initial import first_variations
 from gear_dynamics.study.operation import default_operation
 from gear_dynamics.study.tasks import Runner

@@ -4,11 +4,11 @@ import dataclasses
 
 import numpy as np
 
-from gear_dynamics.bag.messages import message_class, serialize
 from gear_dynamics.bag.metadata import OfferedQos
-from gear_dynamics.bag.tables import TABLE_TYPE, columns_as_float32, encode_table
 from gear_dynamics.bag.writer import LogWriter
-from gear_dynamics.model.columns import EVENTS, SAMPLES
+from gear_dynamics.machine.columns import EVENTS, SAMPLES
+from gear_dynamics.wire.messages import message_class, serialize
+from gear_dynamics.wire.tables import TABLE_TYPE, columns_as_float32, encode_table
 
 RATE = 51200.0
 BLOCK = 64

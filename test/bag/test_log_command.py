@@ -10,11 +10,11 @@ from rosbags.rosbag2 import Reader
 import gear_dynamics as gd
 from gear_dynamics.bag.command import main
 from gear_dynamics.bag.info import log_info
-from gear_dynamics.bag.tables import TABLE_TYPE, columns_as_float32, encode_table
 from gear_dynamics.bag.writer import LogWriter
-from gear_dynamics.configuration import configuration_text
-from gear_dynamics.model.columns import SAMPLES
-from gear_dynamics.settings import SimSettings
+from gear_dynamics.machine.columns import SAMPLES
+from gear_dynamics.parameters.settings import SimSettings
+from gear_dynamics.simulation.configuration import configuration_text
+from gear_dynamics.wire.tables import TABLE_TYPE, columns_as_float32, encode_table
 
 BLOCKS = 30
 

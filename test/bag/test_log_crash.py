@@ -13,7 +13,7 @@ import pytest
 
 from gear_dynamics.bag.reader import read_messages
 from gear_dynamics.bag.recover import recover
-from gear_dynamics.bag.tables import decode_table
+from gear_dynamics.wire.tables import decode_table
 
 SCRIPT = Path(__file__).with_name('writer_process.py')
 ROOT = SCRIPT.parents[2]

@@ -11,10 +11,10 @@ import gear_dynamics as gd
 import gear_dynamics.bag.mcap_file
 import gear_dynamics.bag.source
 from gear_dynamics.bag.log import LogWarning
-from gear_dynamics.bag.messages import message_class, serialize
 from gear_dynamics.bag.reader import read_messages
 from gear_dynamics.bag.source import LogError
-from gear_dynamics.model.columns import EVENTS, SAMPLES
+from gear_dynamics.machine.columns import EVENTS, SAMPLES
+from gear_dynamics.wire.messages import message_class, serialize
 
 BLOCKS = 40
 SECONDS = bag_support.BLOCK / bag_support.RATE

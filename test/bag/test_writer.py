@@ -21,8 +21,8 @@ from rosbags.typesys import Stores, get_typestore
 import gear_dynamics.bag.folder
 import gear_dynamics.bag.writer
 from gear_dynamics.bag.info import log_info
-from gear_dynamics.bag.messages import MessageError
 from gear_dynamics.bag.writer import LogWriter
+from gear_dynamics.wire.messages import MessageError
 
 NINE_KEYS = {
     'history',

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from gear_dynamics.bag.tables import SAMPLES_FLOAT32, TABLE_TYPE, encode_table
 from gear_dynamics.bag.writer import LogWriter
+from gear_dynamics.wire.tables import SAMPLES_FLOAT32, TABLE_TYPE, encode_table
 
 
 def main():

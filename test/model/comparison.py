@@ -3,7 +3,7 @@
 import numpy as np
 from reference_equations import COLUMNS
 
-from gear_dynamics.model.simulator import Simulator
+from gear_dynamics.simulation.simulator import Simulator
 
 RATE = 51200.0
 ACCURACY = 1e-9

@@ -5,8 +5,8 @@ A state is (13,): six positions, six velocities, integral of q.
 
 import numpy as np
 
-from gear_dynamics.model.contact import contact_state
-from gear_dynamics.model.simulator import Simulator
+from gear_dynamics.integrator.contact import contact_state
+from gear_dynamics.simulation.simulator import Simulator
 
 
 def _angles(p, psi, q):

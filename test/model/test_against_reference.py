@@ -13,7 +13,7 @@ from reference_equations import COLUMNS
 from reference_run import Reference
 from states import settled_state, start_from
 
-from gear_dynamics.model.columns import EventKind
+from gear_dynamics.machine.columns import EventKind
 from gear_dynamics.model.gear_pair import GearPair
 
 DEFAULT = GearPair()

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from gear_dynamics.model.batch import simulate_batch
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.mesh import PROFILES
-from gear_dynamics.model.parameter import ParameterError
-from gear_dynamics.model.simulator import Simulator, simulate
+from gear_dynamics.model.mesh.intervals import PROFILES
+from gear_dynamics.parameters.parameter import ParameterError
+from gear_dynamics.simulation.batch import simulate_batch
+from gear_dynamics.simulation.simulator import Simulator, simulate
 
 
 def run_alone(duration, **values):

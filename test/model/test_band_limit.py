@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from reference_equations import COLUMNS
 
-from gear_dynamics.model.band_limit import BandLimiter, taps
-from gear_dynamics.model.columns import CHANNELS, SAMPLE_COLUMNS
+from gear_dynamics.integrator.band_limit import BandLimiter, taps
+from gear_dynamics.integrator.layout import AX1, DELAY, HIGH_RATE_COLUMNS, OVERSAMPLING, SPEED
+from gear_dynamics.machine.columns import CHANNELS, SAMPLE_COLUMNS
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.layout import AX1, DELAY, HIGH_RATE_COLUMNS, OVERSAMPLING, SPEED
-from gear_dynamics.model.simulator import Simulator
+from gear_dynamics.simulation.simulator import Simulator
 
 RATE = 51200.0
 HIGH = OVERSAMPLING * RATE

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from ros_support import ROOT
 
-from gear_dynamics.model.columns import EventKind
+from gear_dynamics.integrator.layout import AHEAD
+from gear_dynamics.machine.columns import EventKind
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.layout import AHEAD
-from gear_dynamics.model.mesh import PROFILES
-from gear_dynamics.model.parameter import ParameterError
-from gear_dynamics.model.simulator import Simulator
+from gear_dynamics.model.mesh.intervals import PROFILES
+from gear_dynamics.parameters.parameter import ParameterError
+from gear_dynamics.simulation.simulator import Simulator
 
 RATE = 51200.0
 SMOOTH = GearPair(friction_coefficient=0.0, transmission_error_amplitude=0.0)

@@ -13,10 +13,10 @@ import dataclasses
 import numpy as np
 import pytest
 
-from gear_dynamics.model import stepper
+from gear_dynamics.integrator import stepper
+from gear_dynamics.integrator.kernel import kernel
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.kernel import kernel
-from gear_dynamics.model.simulator import Simulator
+from gear_dynamics.simulation.simulator import Simulator
 
 ACCURACY = 1e-8
 """Of the energy lost."""

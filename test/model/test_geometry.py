@@ -6,7 +6,7 @@ import math
 import pytest
 
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.parameter import ParameterError
+from gear_dynamics.parameters.parameter import ParameterError
 
 DERIVED = GearPair().derived
 

@@ -8,10 +8,9 @@ from reference_equations import COLUMNS
 from reference_run import Reference
 from scipy.integrate import solve_ivp
 
-from gear_dynamics.model.band_limit import BandLimiter
-from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.jumps import CURVATURE, SLOPE, VALUE
-from gear_dynamics.model.layout import (
+from gear_dynamics.integrator.band_limit import BandLimiter
+from gear_dynamics.integrator.jumps import CURVATURE, SLOPE, VALUE
+from gear_dynamics.integrator.layout import (
     AX1,
     AX2,
     AY1,
@@ -23,7 +22,8 @@ from gear_dynamics.model.layout import (
     SPEED,
     T,
 )
-from gear_dynamics.model.simulator import Simulator
+from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.simulation.simulator import Simulator
 
 LOAD = 150.0
 FORCES = {

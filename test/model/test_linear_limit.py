@@ -10,7 +10,7 @@ import scipy.linalg
 from states import state_of_sample
 
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.simulator import Simulator
+from gear_dynamics.simulation.simulator import Simulator
 
 # Well damped, so that transients are below 1e-9 of the response after 20 ms.
 PAIR = GearPair(

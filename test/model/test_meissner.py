@@ -12,7 +12,7 @@ import pytest
 from states import start_from, state_of_sample
 
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.simulator import Simulator
+from gear_dynamics.simulation.simulator import Simulator
 
 STIFFNESS = 1e5
 PER_CYCLE = 4

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from states import state_of_sample
 
-from gear_dynamics.model.columns import EventKind
+from gear_dynamics.machine.columns import EventKind
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.simulator import Simulator
+from gear_dynamics.simulation.simulator import Simulator
 
 RPM = np.pi / 30
 SMOOTH = GearPair(friction_coefficient=0.0)

@@ -9,7 +9,7 @@ from reference_equations import COLUMNS, Ramp
 from reference_run import Reference
 
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.mesh import PROFILES
+from gear_dynamics.model.mesh.intervals import PROFILES
 
 DEFAULT = GearPair()
 RPM = np.pi / 30

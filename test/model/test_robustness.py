@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from states import start_from
 
-from gear_dynamics.model.batch import gather, refuse_failure, simulate_batch
-from gear_dynamics.model.columns import SAMPLE_COLUMNS, EventKind
+from gear_dynamics.integrator.stepper import DONE, MANY_TINY_STEPS, NOT_FINITE
+from gear_dynamics.machine.columns import SAMPLE_COLUMNS, EventKind
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.run_settings import RunSettings
-from gear_dynamics.model.simulator import IntegrationError, Simulator
-from gear_dynamics.model.stepper import DONE, MANY_TINY_STEPS, NOT_FINITE
+from gear_dynamics.parameters.run_settings import RunSettings
+from gear_dynamics.simulation.batch import gather, refuse_failure, simulate_batch
+from gear_dynamics.simulation.simulator import IntegrationError, Simulator
 
 RPM = np.pi / 30
 

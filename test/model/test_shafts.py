@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.simulator import Simulator
+from gear_dynamics.simulation.simulator import Simulator
 
 
 @pytest.mark.parametrize('anti_alias', [False, True])

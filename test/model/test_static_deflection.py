@@ -8,7 +8,7 @@ import pytest
 from states import state_of_sample
 
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.simulator import Simulator
+from gear_dynamics.simulation.simulator import Simulator
 
 QUIET = GearPair(transmission_error_amplitude=0.0, friction_coefficient=0.0)
 

@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from gear_dynamics.model.columns import EventKind
+from gear_dynamics.machine.columns import EventKind
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.simulator import Simulator
+from gear_dynamics.simulation.simulator import Simulator
 
 RPM = np.pi / 30
 CYCLES = 25

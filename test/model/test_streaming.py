@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from reference_equations import COLUMNS
 
-from gear_dynamics.model.columns import EventKind
+from gear_dynamics.integrator.motion import EVENT_ROOM
+from gear_dynamics.machine.columns import EventKind
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.motion import EVENT_ROOM
-from gear_dynamics.model.simulator import Simulator, simulate
+from gear_dynamics.simulation.simulator import Simulator, simulate
 
 RPM = np.pi / 30
 COUNT = 3000

@@ -7,9 +7,9 @@ import pytest
 from reference_equations import COLUMNS
 from states import start_from, state_of_sample
 
-from gear_dynamics.model.columns import SAMPLE_COLUMNS, EventKind
+from gear_dynamics.machine.columns import SAMPLE_COLUMNS, EventKind
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.simulator import Simulator
+from gear_dynamics.simulation.simulator import Simulator
 
 RPM = np.pi / 30
 MECHANICAL = tuple(

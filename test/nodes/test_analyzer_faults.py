@@ -6,11 +6,11 @@ import numpy as np
 import ros_support
 from mcap.reader import make_reader
 
-from gear_dynamics.bag.messages import deserialize
-from gear_dynamics.bag.tables import decode_table, encode_table
-from gear_dynamics.configuration import configuration_text
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.settings import SimSettings
+from gear_dynamics.parameters.settings import SimSettings
+from gear_dynamics.simulation.configuration import configuration_text
+from gear_dynamics.wire.messages import deserialize
+from gear_dynamics.wire.tables import decode_table, encode_table
 
 sys.path.insert(0, str(ros_support.ROOT / 'test' / 'analysis'))
 from streams import blocks, rotation, samples

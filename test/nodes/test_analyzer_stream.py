@@ -12,14 +12,14 @@ import ros_support
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 
-from gear_dynamics.analysis.monitor import Monitor
-from gear_dynamics.analysis.results import TableResult
-from gear_dynamics.analysis.thresholds import Thresholds
-from gear_dynamics.bag.messages import deserialize
-from gear_dynamics.bag.tables import decode_table, encode_table
-from gear_dynamics.configuration import Rig
-from gear_dynamics.model.columns import CHANNELS
-from gear_dynamics.settings import AnalyzerSettings
+from gear_dynamics.machine.columns import CHANNELS
+from gear_dynamics.machine.configuration import Rig
+from gear_dynamics.monitoring.monitor import Monitor
+from gear_dynamics.monitoring.results import TableResult
+from gear_dynamics.monitoring.thresholds import Thresholds
+from gear_dynamics.parameters.settings import AnalyzerSettings
+from gear_dynamics.wire.messages import deserialize
+from gear_dynamics.wire.tables import decode_table, encode_table
 
 SPEED = 104.72
 MESH = SPEED * 34 / (2 * np.pi)  # Hz: z1 n / 60

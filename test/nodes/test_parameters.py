@@ -7,8 +7,8 @@ import pytest
 rclpy = pytest.importorskip('rclpy')
 rclpy_parameter = pytest.importorskip('rclpy.parameter')
 
-from gear_dynamics.model.parameter import ParameterError, ParameterSet, parameter  # noqa: E402
 from gear_dynamics.nodes.parameters import NodeParameters, help_text  # noqa: E402
+from gear_dynamics.parameters.parameter import ParameterError, ParameterSet, parameter  # noqa: E402
 
 
 @dataclasses.dataclass(frozen=True)

@@ -18,10 +18,10 @@ from sensor_msgs.msg import PointCloud2  # noqa: E402
 from std_msgs.msg import String  # noqa: E402
 from std_srvs.srv import SetBool, Trigger  # noqa: E402
 
-from gear_dynamics.bag.messages import message_class, serialize  # noqa: E402
 from gear_dynamics.bag.metadata import OfferedQos  # noqa: E402
-from gear_dynamics.bag.tables import SAMPLES_FLOAT32, encode_table  # noqa: E402
 from gear_dynamics.bag.writer import LogWriter  # noqa: E402
+from gear_dynamics.wire.messages import message_class, serialize  # noqa: E402
+from gear_dynamics.wire.tables import SAMPLES_FLOAT32, encode_table  # noqa: E402
 
 REPLAY = 'gear_dynamics.nodes.replay'
 TABLE = 'sensor_msgs/msg/PointCloud2'

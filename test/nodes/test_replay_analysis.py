@@ -9,8 +9,8 @@ from diagnostic_msgs.msg import DiagnosticArray  # noqa: E402
 from sensor_msgs.msg import PointCloud2  # noqa: E402
 from std_srvs.srv import SetBool  # noqa: E402
 
-from gear_dynamics.bag.messages import deserialize  # noqa: E402
-from gear_dynamics.bag.tables import decode_table  # noqa: E402
+from gear_dynamics.wire.messages import deserialize  # noqa: E402
+from gear_dynamics.wire.tables import decode_table  # noqa: E402
 
 ANALYZER = 'gear_dynamics.nodes.analyzer'
 TABLES = ('spectrum', 'envelope_spectrum', 'order_spectrum', 'poincare')

@@ -19,7 +19,7 @@ from sensor_msgs.msg import JointState, PointCloud2  # noqa: E402
 from std_srvs.srv import SetBool, Trigger  # noqa: E402
 
 from gear_dynamics import GearPair  # noqa: E402
-from gear_dynamics.bag.tables import decode_table  # noqa: E402
+from gear_dynamics.wire.tables import decode_table  # noqa: E402
 
 SIM = 'gear_dynamics.nodes.sim'
 
@@ -176,7 +176,7 @@ def test_configuration_tells_the_default_rig(domain, client):
     from rclpy.qos import DurabilityPolicy
     from std_msgs.msg import String
 
-    from gear_dynamics.configuration import Rig
+    from gear_dynamics.machine.configuration import Rig
 
     latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     with ros_support.Process(SIM, domain) as sim:

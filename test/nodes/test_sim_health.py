@@ -4,7 +4,7 @@ import types
 import pytest
 
 from gear_dynamics.nodes.pacing import SECOND, Schedule
-from gear_dynamics.settings import SimSettings
+from gear_dynamics.parameters.settings import SimSettings
 
 RATE = 51200.0
 

@@ -68,7 +68,7 @@ def test_a_parameter_file_sets_the_rig(domain, client, tmp_path):
     from rclpy.qos import DurabilityPolicy, QoSProfile
     from std_msgs.msg import String
 
-    from gear_dynamics.configuration import Rig
+    from gear_dynamics.machine.configuration import Rig
 
     path = tmp_path / 'rig.yaml'
     path.write_text('/**: {ros__parameters: {pinion_teeth: 30, half_backlash: 1e-4, speed: 50}}')

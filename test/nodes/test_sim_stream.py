@@ -18,8 +18,8 @@ from sensor_msgs.msg import PointCloud2  # noqa: E402
 from std_msgs.msg import Float64  # noqa: E402
 
 from gear_dynamics import GearPair  # noqa: E402
-from gear_dynamics.bag.tables import decode_table  # noqa: E402
-from gear_dynamics.model.columns import SAMPLE_COLUMNS  # noqa: E402
+from gear_dynamics.machine.columns import SAMPLE_COLUMNS  # noqa: E402
+from gear_dynamics.wire.tables import decode_table  # noqa: E402
 
 RATE = 51200.0
 SPEED = 104.72

@@ -162,13 +162,6 @@ def test_api_imports_without_ros():
     assert (done.stdout, done.stderr) == ('34\n', '')
 
 
-def test_the_model_loads_nothing_of_the_package_but_itself():
-    code = 'import sys; import gear_dynamics.model.batch as _; print(*sys.modules)'
-    loaded = [name for name in python(code).stdout.split() if name.startswith('gear_dynamics.')]
-    assert len(loaded) > 1
-    assert all(name.startswith('gear_dynamics.model') for name in loaded)
-
-
 @pytest.mark.parametrize('name', ['sim', 'analyzer', 'replay'])
 def test_node_without_ros_says_in_one_line_what_to_install(name):
     code = f'from gear_dynamics.__main__ import main; sys.exit(main([{name!r}]))'

@@ -10,8 +10,8 @@ from ros_support import ROOT
 
 import gear_dynamics as gd
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.parameter_files import check_parameter_file, read_parameters
-from gear_dynamics.settings import SimSettings
+from gear_dynamics.parameters.files import check_parameter_file, read_parameters
+from gear_dynamics.parameters.settings import SimSettings
 
 DEFAULT = ROOT / 'config' / 'default.yaml'
 

@@ -11,7 +11,7 @@ import ros_support
 from ros_support import ROOT
 
 from gear_dynamics.__main__ import EXECUTABLES
-from gear_dynamics.parameter_files import NODES
+from gear_dynamics.parameters.files import NODES
 
 README = (ROOT / 'README.md').read_text()
 

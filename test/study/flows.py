@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.optimize import brentq
 
-from gear_dynamics.model.variation import orthonormalise
+from gear_dynamics.integrator.variation import orthonormalise
 
 
 def lorenz_growth(runs=200, time=60.0, step=0.01, between=50, sigma=10.0, rho=28.0, beta=8 / 3):

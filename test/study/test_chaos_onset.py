@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gear_dynamics import study
-from gear_dynamics.model.nearby import nearby_growth
+from gear_dynamics.dynamics.nearby import nearby_growth
 from gear_dynamics.study import chaos_onset
 from gear_dynamics.study.chaos_onset import chaotic_ranges, onset, onset_words
 from gear_dynamics.study.initial import scattered_states

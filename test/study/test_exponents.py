@@ -1,12 +1,12 @@
 import numpy as np
 import pytest
+from dynamics.test_cycles import one_degree_of_freedom, speed_at
 from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
 from study.flows import BacklashOscillator, ImpactOscillator, lorenz_growth
-from study.test_cycles import one_degree_of_freedom, speed_at
 
-from gear_dynamics.model.cycles import run_cycles
-from gear_dynamics.model.variation import VARIED
+from gear_dynamics.dynamics.cycles import run_cycles
+from gear_dynamics.integrator.variation import VARIED
 from gear_dynamics.study.exponents import (
     WIDTHS,
     exponents,

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
+from dynamics.test_cycles import one_degree_of_freedom, speed_at
 from study.convergence import assert_table_ends_at_the_exponents
-from study.test_cycles import one_degree_of_freedom, speed_at
 
 from gear_dynamics import study
 from gear_dynamics.study.frequency_response import contact_is_lost, jumps, rms_of_parts

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from gear_dynamics import study
-from gear_dynamics.model.cycles import run_cycles
+from gear_dynamics.dynamics.cycles import run_cycles
 from gear_dynamics.study.friction_spectrum import (
     DRIVE_SETTLES,
     QUANTITIES,

@@ -3,9 +3,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from study.test_cycles import one_degree_of_freedom, speed_at
+from dynamics.test_cycles import one_degree_of_freedom, speed_at
 
-from gear_dynamics.analysis.regime import ENOUGH
+from gear_dynamics.dynamics.regime import ENOUGH
 from gear_dynamics.study import judgement
 from gear_dynamics.study.initial import scattered_states, states_at
 from gear_dynamics.study.judgement import judge

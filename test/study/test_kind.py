@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from analysis.systems import logistic
+from dynamics.systems import logistic
 
 from gear_dynamics.study.kind import SAME, kind_of, same_orbit
 

@@ -4,11 +4,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gear_dynamics.configuration import versions
 from gear_dynamics.study import parts
 from gear_dynamics.study.operation import friction_chaos
 from gear_dynamics.study.parts import fingerprint
 from gear_dynamics.study.tasks import Runner, chunks
+from gear_dynamics.versions import versions
 
 CALLS = []
 

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from gear_dynamics.bag.verbs.output import beside
-from gear_dynamics.model.columns import CHANNELS
+from gear_dynamics.machine.columns import CHANNELS
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

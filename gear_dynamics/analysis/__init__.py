@@ -1,1 +1,0 @@
-"""Signal analysis of the samples: plain functions over arrays."""

@@ -1,0 +1,1 @@
+"""Algorithms on motions: stroboscopic map, exponents, regime."""

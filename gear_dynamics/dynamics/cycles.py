@@ -1,0 +1,335 @@
+"""Whole mesh cycles at constant speed and load, from given states: what studies are made of."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+from gear_dynamics.integrator import stepper
+from gear_dynamics.integrator.contact import contact_state
+from gear_dynamics.integrator.kernel import borrowed, kernel
+from gear_dynamics.integrator.layout import (
+    DELTA,
+    PSI,
+    Q_SUM,
+    SEG_FORCE,
+    SEG_FRICTION,
+    SEG_MOMENT,
+    STATES,
+)
+from gear_dynamics.integrator.output import write_due_samples
+from gear_dynamics.integrator.polynomials import columns_at
+from gear_dynamics.integrator.segment import fill_segment
+from gear_dynamics.integrator.variation import (
+    VARIED,
+    advance_variations,
+    divergence_over_step,
+    jump_at_contact,
+    orthonormalise,
+)
+from gear_dynamics.machine.columns import SAMPLE_COLUMNS, SAMPLES
+from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.parameters.run_settings import RunSettings
+from gear_dynamics.simulation.batch import gather, refuse_failure, spread
+
+SECTION_DELTA, SECTION_DELTA_DOT, SECTION_STATE = 0, 1, 2
+"""Columns of a section: delta [m], delta_dot [m/s], then the integrator's state."""
+
+_SECTION_COLUMNS = SECTION_STATE + STATES
+
+_BODY_COLUMNS = (
+    'pinion_x',
+    'pinion_y',
+    'gear_x',
+    'gear_y',
+    'psi',
+    'pinion_vx',
+    'pinion_vy',
+    'gear_vx',
+    'gear_vy',
+    'psi_dot',
+    'psi_acceleration',
+    'delta_acceleration',
+)
+
+BODIES = np.dtype([(name, np.float64) for name in _BODY_COLUMNS])
+"""What the bodies do beside the columns of a sample: displacements and psi [m], their rates [m/s],
+psi'' and delta'' [m/s2]."""
+
+
+class Cycles(NamedTuple):
+    """What n gear pairs did over a number of mesh cycles.
+
+    Attributes
+    ----------
+    sections : (n, cycles, 15) array
+        At each passage of the section phase: delta [m], delta_dot [m/s] and the full state.
+    states : (n, STATES) array
+        At the end, where a cycle begins: give them to go on from there.
+    samples : (n, cycles * samples_per_cycle) array of SAMPLES
+    bodies : (n, cycles * samples_per_cycle) array of BODIES
+        At the instants of the samples; (n, 0) if not asked for.
+    vectors : (n, k, VARIED) array
+        The variations at the end.
+    growth : (n, cycles, k) array
+        Logarithm of the growth of each variation over each cycle.
+    divergence : (n, cycles) array
+        Integral over each cycle of the trace of the Jacobian: the sum of `growth` where k is 10.
+    period : (n,) array
+        Length of a mesh cycle [s].
+    """
+
+    sections: np.ndarray
+    states: np.ndarray
+    samples: np.ndarray
+    bodies: np.ndarray
+    vectors: np.ndarray
+    growth: np.ndarray
+    divergence: np.ndarray
+    period: np.ndarray
+
+
+@kernel
+def _write_section(motion, section):
+    """Write the state at the section phase, or at the end of the step if that is before it."""
+    p, clock, point = motion.constants, motion.clock, motion.point
+    tau = stepper.time_of_phase(p, clock, clock.section_phase) - clock.begin
+    columns_at(motion.series, min(max(tau, 0.0), clock.length), point)
+    section[SECTION_DELTA], section[SECTION_DELTA_DOT] = point[0, DELTA], point[1, DELTA]
+    for j in range(6):
+        section[SECTION_STATE + j] = point[0, j]
+        section[SECTION_STATE + 6 + j] = point[1, j]
+    section[SECTION_STATE + 12] = point[0, Q_SUM]
+
+
+@kernel
+def _write_bodies(motion, bodies, first, count):
+    """Write the rows of BODIES at the samples that were written last, off the same series."""
+    point, times = motion.point, motion.times
+    for i in range(count):
+        columns_at(motion.series, times[i], point)
+        for j in range(5):
+            bodies[first + i, j], bodies[first + i, 5 + j] = point[0, j], point[1, j]
+        columns_at(motion.rates, times[i], point)
+        bodies[first + i, 10], bodies[first + i, 11] = point[1, PSI], point[1, DELTA]
+
+
+@kernel
+def _vary(motion, vectors):
+    """Advance the variations over the present step; return what diverges in it."""
+    p, clock = motion.constants, motion.clock
+    if clock.length <= 0:
+        return 0.0
+    travel = p.pitch * p.z1 / (2 * math.pi) * clock.speed
+    advance_variations(p, motion.segment, travel, clock.length, vectors)
+    return divergence_over_step(p, motion.segment, travel, clock.length)
+
+
+@kernel
+def _vary_contact(motion, zones, profiles, length, vectors):
+    """Let the variations jump: the step of `length` that has just ended did so at a contact."""
+    p, clock, segment = motion.constants, motion.clock, motion.segment
+    travel = p.pitch * p.z1 / (2 * math.pi) * clock.speed
+    force_c, rub_c = segment[SEG_FORCE + 1, 0], segment[SEG_FRICTION + 1, 0]
+    turn_c = segment[SEG_MOMENT + 1, 0] + travel * length * rub_c
+    fill_segment(motion, zones[clock.zone], profiles)
+    jump_at_contact(
+        p,
+        segment[SEG_FORCE + 1, 0] - force_c,
+        segment[SEG_FRICTION + 1, 0] - rub_c,
+        segment[SEG_MOMENT + 1, 0] - turn_c,
+        vectors,
+    )
+
+
+@kernel
+def run_cycle(motion, zones, profiles, section, vectors, growth, divergence, out, bodies):
+    """Advance to the beginning of the next mesh cycle."""
+    clock = motion.clock
+    cycle = clock.cycle
+    while clock.cycle == cycle:
+        stepper.begin_step(motion, zones, profiles, False)
+        if clock.tiny_steps >= stepper.MANY_TINY_STEPS:
+            return stepper.STUCK
+        if not math.isfinite(motion.series[1, DELTA] + clock.length):
+            return stepper.NOT_FINITE
+        while clock.sample < out.shape[0]:
+            first = clock.sample
+            count = write_due_samples(motion, 1, out, first)
+            if count == 0:
+                break
+            if bodies.shape[0] > 0:
+                _write_bodies(motion, bodies, first, count)
+        if vectors.shape[0] > 0:
+            divergence[0] += _vary(motion, vectors)
+        length = clock.length
+        if clock.section_cycle <= cycle:
+            _write_section(motion, section)
+        stepper.end_step(motion, zones, profiles)
+        clock.events = 0
+        clock.length = -1.0
+        if clock.ending == stepper.CONTACT and vectors.shape[0] > 0:
+            _vary_contact(motion, zones, profiles, length, vectors)
+    if growth.size > 0:
+        orthonormalise(vectors, growth)
+    return stepper.DONE
+
+
+@numba.njit(cache=True, parallel=True, error_model='numpy')
+def _run_all(
+    records,
+    zones,
+    profiles,
+    zone_counts,
+    sections,
+    vectors,
+    growth,
+    divergence,
+    out,
+    bodies,
+    status,
+):
+    for i in numba.prange(status.size):
+        for cycle in range(sections.shape[1]):
+            status[i] = run_cycle(
+                records[i],
+                borrowed(zones)[i][: zone_counts[i]],
+                borrowed(profiles),
+                borrowed(sections)[i, cycle],
+                borrowed(vectors)[i],
+                borrowed(growth)[i, cycle],
+                borrowed(divergence)[i, cycle : cycle + 1],
+                borrowed(out)[i],
+                borrowed(bodies)[i],
+            )
+            if status[i] != stepper.DONE:
+                break
+
+
+def settings(
+    speed: float, load_torque: float, section_phase: float, rtol: float, atol: float
+) -> RunSettings:
+    """Return the settings of a run at constant speed and load."""
+    return RunSettings(
+        speed=float(speed),
+        load_torque=float(load_torque),
+        section_phase=section_phase,
+        rtol=rtol,
+        atol=atol,
+    )
+
+
+def run_cycles(
+    pairs: Sequence[GearPair],
+    speeds: float | Sequence[float] | np.ndarray,
+    load_torques: float | Sequence[float] | np.ndarray,
+    cycles: int,
+    *,
+    states: np.ndarray | None = None,
+    vectors: np.ndarray | None = None,
+    orthogonal: bool = True,
+    samples_per_cycle: int = 0,
+    with_bodies: bool = False,
+    drive: bool = False,
+    section_phase: float = 0.5,
+    rtol: float = 1e-9,
+    atol: float = 1e-12,
+) -> Cycles:
+    """Run many gear pairs for a number of mesh cycles, over all cores.
+
+    Parameters
+    ----------
+    pairs : sequence of n GearPair
+    speeds : float or n floats
+        Pinion speed [rad/s], positive.
+    load_torques : float or n floats
+        On the gear [N m].
+    cycles : int
+    states : (n, STATES) array, optional
+        At mesh phase 0; the static deflection by default.
+    vectors : (n, k, VARIED) array, optional
+        Variations to advance along with the motion; of the reduced form alone.
+    orthogonal : bool
+        Make the variations orthonormal after each cycle; without it `growth` has no cycles and
+        the variations from the unit matrix become the monodromy matrix.
+    samples_per_cycle : int
+        Samples at equal distances in each cycle, the first at its beginning.
+    with_bodies : bool
+        Return what the bodies do at the samples too.
+    drive : bool
+        True runs the full form of docs/model.md.
+    section_phase : float
+        In cycles, [0, 1).
+    rtol, atol : float
+        Tolerances of the integrator.
+
+    Returns
+    -------
+    Cycles
+
+    Raises
+    ------
+    ParameterError
+        If an argument is out of its range.
+    IntegrationError
+        If the integrator cannot go on with one of the pairs.
+    """
+    n = len(pairs)
+    speeds, load_torques = spread(speeds, n, 'speeds'), spread(load_torques, n, 'load_torques')
+    period = 2 * np.pi / (np.array([pair.pinion_teeth for pair in pairs]) * speeds)
+    runs = [
+        settings(speed, torque, section_phase, rtol, atol)
+        for speed, torque in zip(speeds, load_torques, strict=True)
+    ]
+    motion, zone_counts = gather(pairs, runs, drive)
+    motion.records['clock']['sample_rate'] = max(samples_per_cycle, 1) / period
+    if states is not None:
+        motion.records['state'] = states
+        place_all_contacts(motion.records)
+    vectors = np.zeros((n, 0, VARIED)) if vectors is None else np.array(vectors, dtype=float)
+    result = Cycles(
+        sections=np.zeros((n, cycles, _SECTION_COLUMNS)),
+        states=motion.records['state'],
+        samples=np.zeros((n, cycles * samples_per_cycle), SAMPLES),
+        bodies=np.zeros((n, cycles * samples_per_cycle if with_bodies else 0), BODIES),
+        vectors=vectors,
+        growth=np.zeros((n, cycles, vectors.shape[1] if orthogonal else 0)),
+        divergence=np.zeros((n, cycles)),
+        period=period,
+    )
+    rows = result.samples.view(np.float64).reshape(n, -1, len(SAMPLE_COLUMNS))
+    status = np.zeros(n, np.int64)
+    _run_all(
+        *motion,
+        zone_counts,
+        result.sections,
+        result.vectors,
+        result.growth,
+        result.divergence,
+        rows,
+        result.bodies.view(np.float64).reshape(n, -1, len(_BODY_COLUMNS)),
+        status,
+    )
+    refuse_failure(status, motion.records)
+    return result
+
+
+@kernel
+def place_contact(motion):
+    """Set the contact states that belong to the present state, at mesh phase 0."""
+    p, clock, y = motion.constants, motion.clock, motion.state
+    error = p.e_a * math.sin(p.phi0)
+    error_dot = p.e_a * math.cos(p.phi0) * p.z1 * clock.speed
+    delta, delta_dot = y[3] - y[1] + y[4] - error, y[9] - y[7] + y[10] - error_dot
+    clock.contact_a = clock.contact_b = contact_state(delta, delta_dot, p.b)
+
+
+@kernel
+def place_all_contacts(records):
+    """Set the contact states of all motions."""
+    for i in range(records.size):
+        place_contact(records[i])

@@ -1,0 +1,1 @@
+"""Event-exact Taylor integration of the gear pair, in compiled kernels."""

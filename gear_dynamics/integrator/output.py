@@ -1,0 +1,140 @@
+"""Samples off the dense output: forces and accelerations from the equations, not differences."""
+
+from __future__ import annotations
+
+import math
+
+from gear_dynamics.integrator.kernel import kernel
+from gear_dynamics.integrator.layout import (
+    ANGLE1,
+    ANGLE2,
+    AX1,
+    AX2,
+    AY1,
+    AY2,
+    DELTA,
+    DELTA_VALUE,
+    DRIVE_TORQUE,
+    FORCE,
+    FRICTION,
+    GEAR_SPEED,
+    LOAD,
+    PSI,
+    PSI_VALUE,
+    Q_SUM_VALUE,
+    Q_VALUE,
+    SAMPLE_DELTA,
+    SAMPLE_DELTA_DOT,
+    SEG_FORCE,
+    SEG_FRICTION,
+    SPEED,
+    WIDTH,
+    X1,
+    X2,
+    Y1,
+    Y2,
+    Q,
+    T,
+)
+from gear_dynamics.integrator.polynomials import fill_rates, fill_values
+from gear_dynamics.integrator.vector import LANES
+
+TURN = 2 * math.pi
+
+
+@kernel
+def time_of_sample(clock, sample):
+    """Return the instant of a sample [s since origin]."""
+    return (sample - clock.origin) / clock.sample_rate
+
+
+@kernel
+def operate(segment, row, degree, t, delta, delta_dot):
+    """Return  stiffness(t) delta + damping(t) delta' + offset(t)  of the segment's rows."""
+    if degree == 0:
+        return segment[row, 0] * delta + segment[row + 1, 0] * delta_dot + segment[row + 2, 0]
+    stiffness = damping = offset = 0.0
+    for j in range(WIDTH - 1, -1, -1):
+        stiffness = stiffness * t + segment[row, j]
+        damping = damping * t + segment[row + 1, j]
+        offset = offset * t + segment[row + 2, j]
+    return stiffness * delta + damping * delta_dot + offset
+
+
+@kernel
+def _within_turn(angle):
+    """Return an angle in [0, 2 pi)."""
+    if angle < 0 or angle >= TURN:
+        angle -= TURN * math.floor(angle / TURN)
+    # What is negative by next to nothing has become a whole turn.
+    return 0.0 if angle >= TURN else angle
+
+
+@kernel
+def write_due_samples(motion, whole_every, out, first):
+    """Write the next samples, eight at most, that the present step spans, to rows of `out`.
+
+    Time, angles, load torque and, where `out` has room for it, what the shafts do besides are
+    written of every `whole_every`-th sample, a power of two. Return how many were written.
+    """
+    p, clock, values = motion.constants, motion.clock, motion.values
+    count = _place_times(motion, out.shape[0] - first)
+    if not clock.rated:
+        fill_rates(motion.series, motion.rates)
+        clock.rated = 1
+    fill_values(motion.series, motion.rates, motion.times, values)
+    # Into locals, since a store into `out` might otherwise be taken to change them.
+    degree, segment, th1_psi = clock.degree, motion.segment, p.th1_psi
+    sample, speed, accel = clock.sample, clock.speed, clock.accel
+    force_k, force_c, force_o = segment[0, 0], segment[1, 0], segment[2, 0]
+    rub_k, rub_c, rub_o = segment[3, 0], segment[4, 0], segment[5, 0]
+    for i in range(count):
+        row, tau = first + i, motion.times[i]
+        delta, delta_dot = values[DELTA_VALUE, i], values[DELTA, i]
+        if degree == 0:
+            force = force_k * delta + force_c * delta_dot + force_o
+            friction = rub_k * delta + rub_c * delta_dot + rub_o
+        else:
+            force = operate(segment, SEG_FORCE, degree, tau, delta, delta_dot)
+            friction = operate(segment, SEG_FRICTION, degree, tau, delta, delta_dot)
+        out[row, AX1], out[row, AY1] = values[X1, i], values[Y1, i]
+        out[row, AX2], out[row, AY2] = values[X2, i], values[Y2, i]
+        out[row, FORCE], out[row, FRICTION] = force, friction
+        out[row, SAMPLE_DELTA], out[row, SAMPLE_DELTA_DOT] = delta, delta_dot
+        out[row, SPEED] = speed + accel * tau + values[Q, i] + th1_psi * values[PSI, i]
+        if (sample + i) & (whole_every - 1) == 0:
+            _write_shafts(motion, i, out, row)
+    clock.sample += count
+    return count
+
+
+@kernel
+def _place_times(motion, room):
+    """Put the times [s] of the next eight samples into the step; return how many are in it."""
+    clock, times = motion.clock, motion.times
+    begin, end, sample = clock.begin, clock.begin + clock.length, clock.sample
+    count = 0
+    for i in range(LANES):
+        instant = time_of_sample(clock, sample + i)
+        count += instant < end
+        times[i] = instant - begin
+    return min(count, room)
+
+
+@kernel
+def _write_shafts(motion, i, out, row):
+    """Write time, angles, load torque and, where there is room, what the shafts do besides."""
+    p, clock, values, tau = motion.constants, motion.clock, motion.values, motion.times[i]
+    speed, accel = clock.speed, clock.accel
+    psi, q, psi_dot, q_dot = values[PSI_VALUE, i], values[Q_VALUE, i], values[PSI, i], values[Q, i]
+    now = clock.phase + tau / p.tooth1 * (speed + 0.5 * accel * tau)
+    load = clock.torque + clock.torque_rate * tau
+    out[row, T] = (clock.sample + i) / clock.sample_rate
+    out[row, ANGLE1] = _within_turn(p.tooth1 * (clock.tooth1 + now) + q + p.th1_psi * psi)
+    out[row, ANGLE2] = _within_turn(p.tooth2 * (clock.tooth2 + now) + p.ratio * q - p.th2_psi * psi)
+    out[row, LOAD] = load
+    if out.shape[1] > DRIVE_TORQUE:
+        turning = speed + accel * tau + q_dot
+        control = p.kd * q + p.cd * q_dot + p.ki * values[Q_SUM_VALUE, i] if p.drive else 0.0
+        out[row, GEAR_SPEED] = p.ratio * turning - p.th2_psi * psi_dot
+        out[row, DRIVE_TORQUE] = p.ratio * load + p.inertia_t * accel - control

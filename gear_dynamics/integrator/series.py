@@ -1,0 +1,156 @@
+"""Taylor series of the motion about one instant, by recurrence; the heart of the integrator.
+
+Between events the equations of docs/model.md are linear, with coefficients that are polynomials in
+time, so every order of the series follows from the orders before it in a few operations. The series
+is its own dense output. (Taylor methods: Jorba and Zou, 2005.)
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from gear_dynamics.integrator.kernel import kernel
+from gear_dynamics.integrator.lanes import largest, rough_log2
+from gear_dynamics.integrator.layout import (
+    DELTA,
+    ORDER,
+    ROWS,
+    SEG_FORCE,
+    SEG_FRICTION,
+    SEG_MOMENT,
+    WIDTH,
+)
+from gear_dynamics.integrator.polynomials import advance_columns
+from gear_dynamics.integrator.recurrence import begin_series, fill_order, fill_orders
+
+_INVERSE = 1.0 / np.arange(1, ORDER + 3)
+_WEIGHTS = np.stack([_INVERSE[1:], _INVERSE[1:] * _INVERSE[:-1]], axis=1)
+
+
+@kernel
+def expand_error(motion):
+    """Fill row 0 of the error with the series of e(phi) from the present instant on."""
+    p, clock, e = motion.constants, motion.clock, motion.error
+    phase, speed, accel = clock.phase, clock.speed, clock.accel
+    angle = 2 * math.pi * phase + p.phi0
+    rate, ramp = p.z1 * speed, p.z1 * accel
+    sine, cosine = p.e_a * math.sin(angle), p.e_a * math.cos(angle)
+    if ramp == 0.0:
+        for k in range(ROWS):
+            e[0, k] = sine
+            factor = rate * _INVERSE[k]
+            sine, cosine = cosine * factor, -sine * factor
+        return
+    sine_before = cosine_before = 0.0
+    for k in range(ROWS):
+        e[0, k] = sine
+        sine_next = (rate * cosine + ramp * cosine_before) * _INVERSE[k]
+        cosine_next = -(rate * sine + ramp * sine_before) * _INVERSE[k]
+        sine_before, cosine_before = sine, cosine
+        sine, cosine = sine_next, cosine_next
+
+
+@kernel
+def _higher_orders(segment, row, k, series):
+    """Return what the segment's offset and its orders above 0 add to order k of a force."""
+    total = segment[row + 2, k] if k < WIDTH else 0.0
+    for j in range(1, min(k, WIDTH - 1) + 1):
+        total += segment[row, j] * series[k - j, DELTA]
+        total += segment[row + 1, j] * (k - j + 1) * series[k - j + 1, DELTA]
+    return total
+
+
+@kernel
+def _expand_profiled(motion, travel, travel_rate, torque, torque_rate):
+    """Fill the series from row 2 on, where the mesh's coefficients are polynomials in time."""
+    p, e, segment = motion.constants, motion.error, motion.segment
+    series, forced = motion.series, motion.forced
+    friction_1 = friction_2 = 0.0
+    for k in range(ROWS - 2):
+        forced[0] = _higher_orders(segment, SEG_FORCE, k, series)
+        forced[1] = _higher_orders(segment, SEG_FRICTION, k, series)
+        forced[2] = _higher_orders(segment, SEG_MOMENT, k, series)
+        forced[2] += travel * friction_1 + travel_rate * friction_2
+        forced[3] = torque if k == 0 else torque_rate if k == 1 else 0.0
+        friction = segment[SEG_FRICTION, 0] * series[k, DELTA]
+        friction += segment[SEG_FRICTION + 1, 0] * (k + 1) * series[k + 1, DELTA]
+        friction_1, friction_2 = friction + forced[1], friction_1
+        fill_order(p.answers, segment, e, k, _WEIGHTS[k], forced, series)
+
+
+@kernel
+def expand(motion):
+    """Fill the series with the Taylor series of the motion from the present state on.
+
+    The transmission error's series and the segment of the step must be there.
+    """
+    p, clock, y = motion.constants, motion.clock, motion.state
+    series, error = motion.series, motion.error
+    # The arms grow by travel t + travel_rate t^2.
+    turn = p.pitch * p.z1 / (2 * math.pi)
+    clock.travel, travel_rate = turn * clock.speed, 0.5 * turn * clock.accel
+    # On the load side, with what accelerates the gear there.
+    torque = clock.torque + p.ratio * p.inertia2 * clock.accel
+    if clock.degree == 0:
+        fill_orders(
+            p.answers,
+            motion.segment,
+            y,
+            error,
+            clock.travel,
+            travel_rate,
+            torque,
+            clock.torque_rate,
+            series,
+        )
+        return
+    begin_series(y, error, series)
+    _expand_profiled(motion, clock.travel, travel_rate, torque, clock.torque_rate)
+
+
+@kernel
+def advance_state(motion, t):
+    """Replace the state at the beginning of the series by that at time t."""
+    advance_columns(motion.series, t, motion.state)
+
+
+@kernel
+def value_and_slope(motion, column, t):
+    """Return a column of the series and its derivative at t."""
+    series = motion.series
+    value, slope = series[ROWS - 1, column], 0.0
+    for k in range(ROWS - 2, -1, -1):
+        slope = slope * t + value
+        value = value * t + series[k, column]
+    return value, slope
+
+
+@kernel
+def polynomial(rows, row, t):
+    """Return the polynomial whose coefficients are a row, and its derivative, at t."""
+    last = rows.shape[1] - 1
+    value, slope = rows[row, last], 0.0
+    for k in range(last - 1, -1, -1):
+        slope = slope * t + value
+        value = value * t + rows[row, k]
+    return value, slope
+
+
+@kernel
+def step_size(motion):
+    """Return the step [s] whose local error meets the tolerance.
+
+    The last two orders of the accelerations' series are held to 3 % of atol + rtol |state|,
+    each scaled by b and wn (b / rb for angles); velocities and positions are then better still.
+    (Jorba and Zou, 2005, section 3.2.)
+    """
+    p, series = motion.constants, motion.series
+    scales = p.scales
+    size = max(largest(series, 0, scales), largest(series, 1, scales) / p.wn)
+    tolerance = 0.03 * (p.atol * p.b + p.rtol * size) * p.wn**2
+    last = (ROWS - 1) * (ROWS - 2) * largest(series, ROWS - 1, scales)
+    before = (ROWS - 2) * (ROWS - 3) * largest(series, ROWS - 2, scales)
+    by_last, by_before = rough_log2(tolerance / last), rough_log2(tolerance / before)
+    return 2.0 ** min(by_last / (ROWS - 3), by_before / (ROWS - 4))

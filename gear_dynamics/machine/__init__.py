@@ -1,0 +1,1 @@
+"""What a machine is: shafts, wheels, meshes, channels; no physics."""

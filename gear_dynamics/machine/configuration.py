@@ -1,0 +1,99 @@
+"""What a listener must know of the rig, read from the text of `gear_pair/configuration`."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import yaml
+
+
+@dataclasses.dataclass(frozen=True)
+class Rig:
+    """What the analysis must know of the rig that it listens to.
+
+    Attributes
+    ----------
+    pinion_teeth, gear_teeth : int
+    wn : float
+        Scale of dimensionless time [rad/s].
+    half_backlash : float
+        Scale of lengths [m].
+    sample_rate : float
+        Samples per second of model time [Hz].
+    block_size : int
+        Samples in one message.
+    section_phase : float
+        Mesh phase at which the exact section states are taken [cycles].
+    pinion_inertia, gear_inertia : float
+        Polar inertias, by which the angles of both wheels give the rotation of the rigid pair
+        [kg m2].
+    """
+
+    pinion_teeth: int
+    gear_teeth: int
+    wn: float
+    half_backlash: float
+    sample_rate: float
+    block_size: int
+    section_phase: float
+    pinion_inertia: float
+    gear_inertia: float
+
+    @classmethod
+    def from_text(cls, text: str) -> Rig:
+        """Read the rig from the text of `gear_pair/configuration`.
+
+        Raises
+        ------
+        ValueError
+            With one line, if the text is no such configuration.
+        """
+        try:
+            content = yaml.safe_load(text)
+        except yaml.YAMLError as error:
+            reason = ' '.join(str(error).split())
+            raise ValueError(f'the configuration is not YAML: {reason}') from None
+        parameters = _part(content, 'parameters')
+        derived = _part(content, 'derived')
+        return cls(
+            pinion_teeth=_count(parameters, 'pinion_teeth'),
+            gear_teeth=_count(parameters, 'gear_teeth'),
+            wn=_positive(derived, 'wn'),
+            half_backlash=_positive(parameters, 'half_backlash'),
+            sample_rate=_positive(parameters, 'sample_rate'),
+            block_size=_count(parameters, 'block_size'),
+            section_phase=_number(parameters, 'section_phase'),
+            pinion_inertia=_positive(derived, 'pinion_inertia'),
+            gear_inertia=_positive(derived, 'gear_inertia'),
+        )
+
+
+def _part(content: Any, name: str) -> Mapping[str, Any]:
+    part = content.get(name) if isinstance(content, Mapping) else None
+    if not isinstance(part, Mapping):
+        raise ValueError(f'the configuration has no mapping {name}')
+    return part
+
+
+def _number(values: Mapping[str, Any], name: str) -> float:
+    value = values.get(name)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise ValueError(f'{name} of the configuration is {value!r}: it must be a finite number')
+    return float(value)
+
+
+def _positive(values: Mapping[str, Any], name: str) -> float:
+    number = _number(values, name)
+    if number <= 0:
+        raise ValueError(f'{name} of the configuration is {number:g}: it must be above 0')
+    return number
+
+
+def _count(values: Mapping[str, Any], name: str) -> int:
+    number = _positive(values, name)
+    if not number.is_integer():
+        raise ValueError(f'{name} of the configuration is {number:g}: it must be an integer')
+    return int(number)

@@ -1,0 +1,1 @@
+"""The mesh: stiffness, mesh intervals and tooth deviations."""

@@ -1,0 +1,1 @@
+"""Online analysis of a stream: tasks, results, alarms."""

@@ -1,0 +1,70 @@
+"""The exact section from the messages of events, in batches of messages that follow each other."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from gear_dynamics.machine.columns import EVENTS
+from gear_dynamics.machine.configuration import Rig
+from gear_dynamics.monitoring.gaps import Order, StampCheck
+from gear_dynamics.monitoring.results import Span
+
+BATCH = 0.02
+"""Seconds of events that are worked on at once."""
+
+
+class EventBatch(NamedTuple):
+    """Events of blocks that follow each other: span, and rows with t [s] from its start."""
+
+    span: Span
+    events: np.ndarray
+
+    @property
+    def end_ns(self) -> int:
+        """Stamp of the end [ns]."""
+        return self.span.start_ns + round(self.span.duration * 1e9)
+
+
+class EventBatches:
+    """Puts the events of successive blocks together; no batch reaches across a gap.
+
+    Parameters
+    ----------
+    rig : Rig
+        Its block size and sample rate tell which message follows which.
+    """
+
+    def __init__(self, rig: Rig) -> None:
+        self._block = rig.block_size
+        self._check = StampCheck(rig.sample_rate)
+        self._seconds = rig.block_size / rig.sample_rate
+        self._start_ns = 0
+        self._rows: list[np.ndarray] = []
+
+    def push(self, stamp_ns: int, rows: np.ndarray) -> tuple[Order, list[EventBatch]]:
+        """Take the events of a block, dtype EVENTS; return how it follows, and what is complete.
+
+        The events of a block that goes back are not taken.
+        """
+        order = self._check.check(stamp_ns, self._block)
+        if order is Order.BACK:
+            return order, []
+        batches = [] if order is Order.NEXT else self._take()
+        if not self._rows:
+            self._start_ns = stamp_ns
+        moved = rows.astype(EVENTS)
+        moved['t'] += (stamp_ns - self._start_ns) / 1e9
+        self._rows.append(moved)
+        if len(self._rows) * self._seconds >= BATCH:
+            batches += self._take()
+        return order, batches
+
+    def _take(self) -> list[EventBatch]:
+        if not self._rows:
+            return []
+        span = Span(self._start_ns, len(self._rows) * self._seconds)
+        batch = EventBatch(span, np.concatenate(self._rows))
+        self._rows = []
+        return [batch]

@@ -1,0 +1,1 @@
+"""Parameter lists, parameter files and the settings of each node."""

@@ -1,0 +1,127 @@
+"""Mesh phase from the shaft angles, and signals resampled by it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gear_dynamics.signal.interpolation import HALF_WIDTH, interpolate
+from gear_dynamics.signal.spectrum import amplitude_spectrum
+
+
+def mesh_phase(
+    pinion_angle: np.ndarray,
+    gear_angle: np.ndarray,
+    pinion_teeth: int,
+    gear_teeth: int,
+    pinion_weight: float = 1.0,
+) -> np.ndarray:
+    """Return the unwrapped mesh phase in cycles, rising where the wheels turn forward.
+
+    Parameters
+    ----------
+    pinion_angle, gear_angle : ndarray, shape (n,)
+        Shaft angles [rad], wrapped or not, moving by less than half a turn a sample.
+    pinion_teeth, gear_teeth : int
+    pinion_weight : float
+        Weight of the pinion's angle against the gear's. With the share of the inertia,
+        `pinion_inertia_share`, the torsional vibration of the pair cancels and the rotation of
+        the rigid pair remains, with the slow twist of the drive: nothing in steady motion.
+    """
+    pinion = np.unwrap(np.asarray(pinion_angle, dtype=float)) * pinion_teeth / (2 * np.pi)
+    if pinion_weight == 1:
+        return pinion
+    gear = np.unwrap(np.asarray(gear_angle, dtype=float)) * gear_teeth / (2 * np.pi)
+    # Whole turns are lost in the angles; both wheels pass the same phase of the mesh.
+    gear -= np.round(gear[0] - pinion[0])
+    return pinion_weight * pinion + (1 - pinion_weight) * gear
+
+
+def pinion_inertia_share(
+    pinion_inertia: float, gear_inertia: float, pinion_teeth: int, gear_teeth: int
+) -> float:
+    """Return I1 / (I1 + I2 (z1 / z2)^2), the pinion's share of the inertia seen at its shaft."""
+    reduced = gear_inertia * (pinion_teeth / gear_teeth) ** 2
+    return pinion_inertia / (pinion_inertia + reduced)
+
+
+def resample_by_phase(x: np.ndarray, phase: np.ndarray, points: int) -> tuple[int, np.ndarray]:
+    """Return x at equal steps of the phase, `points` a cycle.
+
+    The instants are interpolated linearly in the phase, which a steady acceleration a [cycles/s2]
+    moves by at most a / (8 rate^2) cycles, and x band-limited, which holds for what lies below 0.4
+    of the sample rate. There is no low-pass filter: with fewer points than samples in a cycle,
+    what lies above points / 2 orders folds back. The 16 samples at either end give no points.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,) or (n, channels)
+        More than 32 samples.
+    phase : ndarray, shape (n,)
+        In cycles, rising.
+    points : int
+        Points in a cycle.
+
+    Returns
+    -------
+    first : int
+        The first point is at phase first / points.
+    values : ndarray, shape (m,) or (m, channels)
+
+    Raises
+    ------
+    ValueError
+        If the phase does not rise everywhere.
+    """
+    if not np.all(np.diff(phase) > 0):
+        raise ValueError('the phase does not rise at every sample: the shaft must turn forward')
+    if len(phase) <= 2 * HALF_WIDTH:
+        raise ValueError(f'{len(phase)} samples are too few: more than {2 * HALF_WIDTH} are needed')
+    first = int(np.ceil(phase[HALF_WIDTH] * points))
+    ticks = np.arange(first, int(np.floor(phase[-1 - HALF_WIDTH] * points)) + 1)
+    positions = np.interp(ticks / points, phase, np.arange(len(phase)))
+    values = interpolate(np.reshape(x, (len(x), -1)), positions)
+    return first, values.reshape((-1, *np.shape(x)[1:]))
+
+
+def order_spectrum(
+    x: np.ndarray,
+    phase: np.ndarray,
+    teeth: int,
+    *,
+    points: int = 128,
+    revolutions: int = 8,
+    window: str = 'hann',
+    overlap: float = 0.5,
+    scale: str = 'peak',
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the amplitude spectrum over orders of the wheel with `teeth` teeth.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,) or (n, channels)
+    phase : ndarray, shape (n,)
+        Mesh phase in cycles, rising.
+    teeth : int
+        Mesh cycles in a revolution of the wheel.
+    points : int
+        Points in a mesh cycle.
+    revolutions : int
+        Length of a segment; lines are 1 / revolutions orders apart.
+    window, overlap, scale
+        As `amplitude_spectrum` takes them.
+
+    Returns
+    -------
+    order : ndarray
+        Events in a revolution.
+    amplitude : ndarray, shape of order, or that and channels
+    """
+    _, values = resample_by_phase(x, phase, points)
+    return amplitude_spectrum(
+        values,
+        points * teeth,
+        window=window,
+        length=points * teeth * revolutions,
+        overlap=overlap,
+        scale=scale,
+    )

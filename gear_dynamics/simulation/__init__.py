@@ -1,0 +1,1 @@
+"""Running gear pairs: samples, events, commands."""

@@ -1,0 +1,1 @@
+"""Message bytes and PointCloud2 tables."""
