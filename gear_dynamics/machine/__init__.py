@@ -1,1 +1,1 @@
-"""What a machine is: shafts, wheels, meshes, channels; no physics."""
+"""What a machine is, simulated or real: shafts, wheels, meshes, bearings, channels; no physics."""

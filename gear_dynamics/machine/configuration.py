@@ -9,6 +9,9 @@ from typing import Any
 
 import yaml
 
+from gear_dynamics.machine.machine import Machine
+from gear_dynamics.machine.rig import rig_machine
+
 
 @dataclasses.dataclass(frozen=True)
 class Rig:
@@ -41,6 +44,18 @@ class Rig:
     section_phase: float
     pinion_inertia: float
     gear_inertia: float
+
+    @property
+    def machine(self) -> Machine:
+        """The rig as a machine: its shafts, wheels, mesh and channels."""
+        return rig_machine(
+            self.pinion_teeth,
+            self.gear_teeth,
+            self.pinion_inertia,
+            self.gear_inertia,
+            self.half_backlash,
+            self.wn,
+        )
 
     @classmethod
     def from_text(cls, text: str) -> Rig:
