@@ -53,6 +53,7 @@ setup(
         'test': [
             'colcon-common-extensions',
             'dask[distributed]',
+            'hypothesis',
             'mcap-ros2-support',
             'mypy',
             'pytest',

@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-import yaml
+from gear_dynamics.parameters.yaml_text import YamlError, parse_yaml
 
 from gear_dynamics.machine.machine import Machine
 from gear_dynamics.machine.rig import rig_machine
@@ -67,10 +67,9 @@ class Rig:
             With one line, if the text is no such configuration.
         """
         try:
-            content = yaml.safe_load(text)
-        except yaml.YAMLError as error:
-            reason = ' '.join(str(error).split())
-            raise ValueError(f'the configuration is not YAML: {reason}') from None
+            content = parse_yaml(text)
+        except YamlError as error:
+            raise ValueError(f'the configuration: {error}') from None
         parameters = _part(content, 'parameters')
         derived = _part(content, 'derived')
         return cls(

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import yaml
+from gear_dynamics.parameters.yaml_text import YamlError, read_yaml
 
 
 class ThresholdError(ValueError):
@@ -61,9 +61,9 @@ class Thresholds:
             If the file cannot be read or says something that is not a limit.
         """
         try:
-            content = yaml.safe_load(Path(path).read_text(encoding='utf-8'))
-        except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-            raise ThresholdError(f'{path}: {" ".join(str(error).split())}') from None
+            content = read_yaml(path)
+        except YamlError as error:
+            raise ThresholdError(f'{path}: {error}') from None
         if not isinstance(content, dict) or not set(content) <= {'hysteresis', 'limits'}:
             raise ThresholdError(f'{path}: it must be a mapping of hysteresis and limits')
         hysteresis = _number(path, 'hysteresis', content.get('hysteresis', 0.1))

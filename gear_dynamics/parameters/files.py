@@ -17,6 +17,7 @@ from gear_dynamics.parameters.parameter import (
     refuse_unknown_name,
 )
 from gear_dynamics.parameters.settings import AnalyzerSettings, ReplaySettings, SimSettings
+from gear_dynamics.parameters.yaml_text import YamlError, read_yaml
 
 NODES: dict[str, tuple[type[ParameterSet], ...]] = {
     'gear_sim': (GearPairParameters, SimSettings),
@@ -110,14 +111,9 @@ def refuse_unknown(names: Collection[str]) -> None:
 
 def _load(path: str | Path) -> Mapping[str, Any]:
     try:
-        content = yaml.safe_load(Path(path).read_text(encoding='utf-8'))
-    except OSError as error:
-        raise ParameterError(f'{path}: cannot be read: {error.strerror}') from None
-    except yaml.MarkedYAMLError as error:
-        line = f'line {error.problem_mark.line + 1}: ' if error.problem_mark else ''
-        raise ParameterError(f'{path}: is not YAML: {line}{error.problem}') from None
-    except (yaml.YAMLError, ValueError, RecursionError):
-        raise ParameterError(f'{path}: is not a YAML text file') from None
+        content = read_yaml(path)
+    except YamlError as error:
+        raise ParameterError(f'{path}: {error}') from None
     if not isinstance(content, Mapping):
         raise ParameterError(f'{path}: is not a ROS parameter file, such as {EXAMPLE}')
     return content

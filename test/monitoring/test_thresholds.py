@@ -33,7 +33,7 @@ def test_the_packages_own_file_is_good():
 @pytest.mark.parametrize(
     ('text', 'words'),
     [
-        ('limits: [', 'limit'),
+        ('limits: [', 'is not YAML: line '),
         ('- 1', 'must be a mapping of hysteresis and limits'),
         ('limit: {}', 'must be a mapping of hysteresis and limits'),
         ('hysteresis: 1.5', 'hysteresis is 1.5'),
