@@ -7,10 +7,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from gear_dynamics.parameters.yaml_text import YamlError, parse_yaml
-
 from gear_dynamics.machine.machine import Machine
 from gear_dynamics.machine.rig import rig_machine
+from gear_dynamics.parameters.yaml_text import YamlError, parse_yaml
 
 
 @dataclasses.dataclass(frozen=True)

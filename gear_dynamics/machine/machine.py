@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from fractions import Fraction
-from typing import TypeVar
+from pathlib import Path
+from typing import Any, TypeVar
 
 from gear_dynamics.machine.channel import Channel
-from gear_dynamics.machine.parts import Bearing, Mesh, Wheel
+from gear_dynamics.machine.file import machine_arguments, read_machine
+from gear_dynamics.machine.parts import DEFECTS, Bearing, Mesh, Wheel
+from gear_dynamics.machine.recording_form import RecordingForm, Severity
 from gear_dynamics.machine.shaft import DrivenBy, Shaft, TrackedSpeed
 
 NAME = re.compile(r'[A-Za-z][A-Za-z0-9_]*')
@@ -32,6 +35,10 @@ class Machine:
     wheels : tuple of Wheel
     meshes : tuple of Mesh
     bearings : tuple of Bearing
+    recording : RecordingForm
+        How its recordings are laid out.
+    severity : Severity, optional
+        Zone limits of the velocity RMS.
 
     Raises
     ------
@@ -45,10 +52,14 @@ class Machine:
     wheels: tuple[Wheel, ...] = ()
     meshes: tuple[Mesh, ...] = ()
     bearings: tuple[Bearing, ...] = ()
+    recording: RecordingForm = dataclasses.field(default_factory=RecordingForm)
+    severity: Severity | None = None
 
     def __post_init__(self) -> None:
         for kind, parts in self._kinds():
             _check_names(kind, [part.name for part in parts])
+        if not self.channels:
+            raise ValueError(f'{self.name} has no channels: at least one is needed')
         for wheel in self.wheels:
             self._find('shafts', self.shafts, wheel.shaft, f'wheel {wheel.name}')
             if not FEWEST_TEETH <= wheel.teeth <= MOST_TEETH:
@@ -65,6 +76,26 @@ class Machine:
                 owner = f'the speed of shaft {shaft.name}'
                 self._find('channels', self.channels, shaft.speed.channel, owner)
             self.root(shaft.name)
+
+    @classmethod
+    def from_yaml(cls, path: str | Path) -> Machine:
+        """Read a machine file, as docs/machines.md describes it.
+
+        Raises
+        ------
+        ValueError
+            With one line that names the file, the key and what is wrong.
+        """
+        arguments = read_machine(path)
+        try:
+            return cls(**arguments)
+        except ValueError as error:
+            raise ValueError(f'{path}: {error}') from None
+
+    @classmethod
+    def from_mapping(cls, content: Mapping[str, Any]) -> Machine:
+        """Return the machine of a machine file's content."""
+        return cls(**machine_arguments(content))
 
     def channel(self, name: str) -> Channel:
         """Return a channel by its name."""
@@ -154,7 +185,7 @@ class Machine:
         self._find('shafts', self.shafts, bearing.shaft, owner)
         for channel in bearing.channels:
             self._find('channels', self.channels, channel, owner)
-        for defect in ('outer', 'inner', 'element', 'cage'):
+        for defect in DEFECTS:
             if not bearing.order(defect) > 0:
                 raise ValueError(f'{owner}: order {defect} must be above 0')
         if not 0 <= bearing.slip <= 0.1:
