@@ -179,7 +179,7 @@ def run_cycle(motion, zones, profiles, section, vectors, growth, divergence, out
     return stepper.DONE
 
 
-@numba.njit(cache=True, parallel=True, error_model='numpy')
+@kernel(parallel=True)
 def _run_all(
     records,
     zones,

@@ -34,7 +34,7 @@ def _bring_back(motion, base):
     return distance
 
 
-@numba.njit(cache=True, parallel=True, error_model='numpy')
+@kernel(parallel=True)
 def _run_pairs(records, zones, profiles, zone_counts, growth, status):
     for i in numba.prange(growth.shape[0]):
         base, near = 2 * i, 2 * i + 1

@@ -1,17 +1,16 @@
-"""How the model's kernels are compiled."""
+"""What kernels are written with."""
 
 from __future__ import annotations
 
 from typing import Any
 
-import numba
 from numba.core import types
 from numba.core.imputils import impl_ret_untracked
 from numba.extending import intrinsic
 
-kernel = numba.njit(cache=True, error_model='numpy')
-"""Decorator: compiled once and cached on disk; a division by zero gives inf as in NumPy, which
-spares a test at each division. Never fastmath: chaotic runs must repeat to the last bit."""
+from gear_dynamics.kernels import kernel
+
+__all__ = ['borrowed', 'kernel']
 
 
 @intrinsic

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import numba
 import numpy as np
+
+from gear_dynamics.kernels import kernel
 
 HALF_WIDTH = 16
 """Samples on either side of an instant that its value is made of."""
@@ -58,7 +59,7 @@ def interpolate(rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
     return _interpolate(np.ascontiguousarray(rows, dtype=float), positions, _WEIGHTS)
 
 
-@numba.njit(cache=True)
+@kernel
 def _interpolate(rows, positions, weights):  # type: ignore[no-untyped-def]
     half = weights.shape[1] // 2
     phases = weights.shape[0] - 1

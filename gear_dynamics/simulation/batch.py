@@ -10,7 +10,7 @@ import numpy as np
 
 from gear_dynamics.integrator import stepper
 from gear_dynamics.integrator.jumps import ROWS_OF_JUMP
-from gear_dynamics.integrator.kernel import borrowed
+from gear_dynamics.integrator.kernel import borrowed, kernel
 from gear_dynamics.integrator.layout import HIGH_RATE_COLUMNS
 from gear_dynamics.integrator.motion import Motion, at_rest, empty_records
 from gear_dynamics.machine.columns import SAMPLE_COLUMNS, SAMPLES
@@ -44,7 +44,7 @@ def gather(pairs: Sequence[GearPair], runs: Sequence[RunSettings], drive: bool =
     return Batch(Motion(records, zones, mesh.healthy()), counts)
 
 
-@numba.njit(cache=True, parallel=True, error_model='numpy')
+@kernel(parallel=True)
 def _fill_all(records, zones, profiles, zone_counts, no_jumps, out, status):
     for i in numba.prange(status.size):
         filled = 0

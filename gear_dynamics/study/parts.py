@@ -14,14 +14,11 @@ from typing import Any
 
 import numpy as np
 
-import gear_dynamics
+from gear_dynamics.digest import code_digest
 from gear_dynamics.versions import versions
 
 Arrays = dict[str, np.ndarray]
 Task = Callable[..., Arrays]
-
-SOURCES = 'parameters machine model integrator simulation dynamics signal study'.split()
-"""Folders of the package whose code decides the results."""
 
 _DIGEST = 32
 
@@ -104,12 +101,7 @@ class Parts:
 @functools.cache
 def code() -> dict[str, str]:
     """Return what decides results beside arguments: versions, and a digest of the sources."""
-    root = Path(gear_dynamics.__file__).parent
-    digest = hashlib.sha256()
-    for path in sorted(path for folder in SOURCES for path in (root / folder).rglob('*.py')):
-        digest.update(f'{path.relative_to(root).as_posix()}\0'.encode())
-        digest.update(path.read_bytes())
-    return {**versions(), 'sources': digest.hexdigest()[:12]}
+    return {**versions(), 'sources': code_digest()}
 
 
 def fingerprint(value: Any) -> str:
