@@ -7,13 +7,13 @@ from collections.abc import Iterable
 
 from gear_dynamics.machine.columns import CHANNELS
 
-_STATISTICS = ('rms', 'peak', 'crest_factor', 'kurtosis', 'skewness')
+_STATISTICS = ('mean', 'rms', 'std', 'peak', 'crest_factor', 'kurtosis', 'skewness')
 _ENVELOPE = tuple(
     f'envelope_{name}' for name in ('low', 'high', 'band_kurtosis', 'frequency', 'amplitude')
 )
 _OF_AVERAGE = (
     *('fm0', 'fm4', 'm6a', 'm8a', 'na4', 'nb4', 'energy_ratio'),
-    *('side_band_index', 'side_band_level_factor'),
+    *('sideband_index', 'sideband_level_factor'),
 )
 _OF_CHANNEL = (
     *_STATISTICS,

@@ -14,7 +14,7 @@ import numpy as np
 from gear_dynamics.machine.columns import CHANNELS
 from gear_dynamics.monitoring.rattle import Rattle, RattleCounter
 from gear_dynamics.parameters.settings import AnalyzerSettings
-from gear_dynamics.signal.envelope import Band, envelope_spectrum, most_impulsive_band
+from gear_dynamics.signal.demodulation import Band, envelope_spectrum, most_impulsive_band
 from gear_dynamics.signal.segments import SegmentBuffer, hop_of
 from gear_dynamics.signal.spectrum import (
     PowerAverage,

@@ -147,8 +147,8 @@ class WheelTask:
         modulated = np.std(envelope, axis=0) >= indicators.NOTHING * np.mean(envelope, axis=0)
         values = {
             'fm0': indicators.fm0(average, teeth),
-            'side_band_index': indicators.side_band_index(average, teeth),
-            'side_band_level_factor': indicators.side_band_level_factor(average, teeth),
+            'sideband_index': indicators.sideband_index(average, teeth),
+            'sideband_level_factor': indicators.sideband_level_factor(average, teeth),
             'na4': np.where(residual, self._past.na4.add(parts.residual), math.nan),
             'nb4': np.where(modulated, self._past.nb4.add(envelope), math.nan),
             **_of_difference(parts, difference),

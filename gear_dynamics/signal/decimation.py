@@ -7,11 +7,11 @@ import functools
 import numpy as np
 
 PASS_BAND = 0.4
-"""Edge of the pass band, as a share of the decimated rate; what folds into it comes from above
-1 - PASS_BAND = 0.6 of that rate."""
+"""Edge of the pass band, as a fraction of the decimated rate; content above 1 - PASS_BAND = 0.6 of
+that rate is aliased into it."""
 
 ATTENUATION = 60.0
-"""Least attenuation of what folds into the pass band [dB]."""
+"""Least attenuation of content that is aliased into the pass band [dB]."""
 
 
 @functools.lru_cache(maxsize=4)
@@ -19,12 +19,13 @@ def lowpass_taps(ratio: int) -> np.ndarray:
     """Return a linear-phase low-pass for decimation: a sinc under a Kaiser window.
 
     Order and shape of the window are those of Kaiser (1974) for `ATTENUATION` and for a
-    transition from `PASS_BAND` to 1 - `PASS_BAND` of the decimated rate.
+    transition from `PASS_BAND` to 1 - `PASS_BAND` of the decimated rate. SciPy has the same
+    formulas; they are written here because SciPy takes longer to load than the `sim` may wait.
 
     Parameters
     ----------
     ratio : int
-        Samples in for one out.
+        Input samples for one output sample.
 
     Returns
     -------
@@ -42,13 +43,13 @@ def lowpass_taps(ratio: int) -> np.ndarray:
 class Decimator:
     """Low-pass, then every `ratio`-th sample.
 
-    The filter waits for the samples after each one that it gives out, so that its phase is zero:
-    what comes out belongs to the sample number that comes with it.
+    The filter has zero phase: each output belongs to the sample number returned with it, and is
+    complete only when half the filter's length of later samples has arrived.
 
     Parameters
     ----------
     ratio : int
-        Samples in for one out; 1 passes all through as it is.
+        Input samples for one output sample; 1 passes all through unchanged.
     """
 
     def __init__(self, ratio: int) -> None:
@@ -57,11 +58,11 @@ class Decimator:
         self._begin = 0
 
     def reset(self) -> None:
-        """Forget the past; the next block begins as if its first sample had always been."""
+        """Forget the past; the next block begins as if its first sample had lasted for ever."""
         self._past = None
 
     def feed(self, block: np.ndarray, first: int) -> tuple[np.ndarray, np.ndarray]:
-        """Filter a block and return what of it, and of those before, can be given out.
+        """Filter a block and return the output samples that are now complete.
 
         Parameters
         ----------
@@ -73,7 +74,7 @@ class Decimator:
         Returns
         -------
         numbers : ndarray of int
-            Numbers of the samples given out: multiples of `ratio`.
+            Numbers of the output samples: multiples of `ratio`.
         values : ndarray, shape (len(numbers), channels)
         """
         taps = lowpass_taps(self.ratio) if self.ratio > 1 else np.ones(1)

@@ -1,114 +1,164 @@
 """Gear condition indicators of synchronous averages.
 
-Definitions differ between papers; each docstring says which one is used. Signals are arrays of
-shape (points,) or (points, channels): one revolution of the wheel, as `separate` splits it.
+Definitions differ between papers; each docstring says which one is used. Signals hold one
+revolution of the wheel along their first axis, as `separate` splits it.
 """
 
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 from scipy import fft
 
-from gear_dynamics.signal.statistics import normalised_moment, ratio, rms
-from gear_dynamics.signal.synchronous import Parts
+from gear_dynamics.signal.arguments import real_array
+from gear_dynamics.signal.spectrum import line_amplitudes
+from gear_dynamics.signal.statistics import kurtosis, normalised_moment, ratio, rms
+from gear_dynamics.signal.synchronous import Parts, checked_average
 
 NOTHING = 1e-4
-"""A difference signal below this share of the regular one holds rounding noise only."""
+"""RMS of the difference signal, as a fraction of the regular one, below which it is rounding."""
+
+FINER = 8
+"""Points between two points at which the band-limited peak of an average is looked for; a tone at
+the Nyquist order then reads at most 2 % low."""
 
 
-def mesh_amplitudes(average: np.ndarray, teeth: int) -> np.ndarray:
+def mesh_amplitudes(average: npt.ArrayLike, teeth: int) -> np.ndarray:
     """Return the peak amplitudes of the mesh harmonics 1, 2, ..., shape (harmonics, ...)."""
-    return 2 / len(average) * np.abs(fft.rfft(average, axis=0)[teeth::teeth])
+    average, teeth = checked_average(average, teeth)
+    return line_amplitudes(average)[teeth::teeth]
 
 
-def fm0(average: np.ndarray, teeth: int) -> np.ndarray:
+def fm0(average: npt.ArrayLike, teeth: int) -> np.ndarray:
     """Return peak-to-peak value over the sum of the amplitudes of the mesh harmonics.
 
     Peak amplitudes, so that a sine at the mesh frequency gives 2 (Stewart 1977; Zakrajsek 1993).
+    The peaks are those of the band-limited signal between the points too.
     """
-    return ratio(np.ptp(average, axis=0), mesh_amplitudes(average, teeth).sum(axis=0))
+    average, teeth = checked_average(average, teeth)
+    amplitudes = line_amplitudes(average)[teeth::teeth].sum(axis=0)
+    return ratio(np.ptp(_finer(average), axis=0), amplitudes)
 
 
-def fm4(difference: np.ndarray) -> np.ndarray:
+def _finer(average: np.ndarray) -> np.ndarray:
+    """Return an average at FINER times as many points, band-limited."""
+    count = len(average)
+    lines = fft.rfft(average, axis=0)
+    if count % 2 == 0:
+        lines[-1] /= 2  # at the Nyquist order it stands for itself and its conjugate
+    return fft.irfft(lines, count * FINER, axis=0) * FINER
+
+
+def fm4(difference: npt.ArrayLike) -> np.ndarray:
     """Return the kurtosis of the difference signal, not excess (Stewart 1977)."""
-    return normalised_moment(difference, 4)
+    return kurtosis(difference)
 
 
-def m6a(difference: np.ndarray) -> np.ndarray:
+def m6a(difference: npt.ArrayLike) -> np.ndarray:
     """Return the sixth moment of the difference signal over variance^3 (Martin 1989)."""
     return normalised_moment(difference, 6)
 
 
-def m8a(difference: np.ndarray) -> np.ndarray:
+def m8a(difference: npt.ArrayLike) -> np.ndarray:
     """Return the eighth moment of the difference signal over variance^4 (Martin 1989)."""
     return normalised_moment(difference, 8)
 
 
-class RunningKurtosis:
-    """Fourth moment over the square of the mean variance of the record so far.
+def variance_ratio_kurtosis(signal: npt.ArrayLike, variance: npt.ArrayLike) -> np.ndarray:
+    """Return the fourth central moment over the square of a reference variance.
 
     On residual signals this is NA4 (Zakrajsek, Townsend and Decker 1993, NASA TM 105950), on
-    `mesh_envelope` NB4 (Zakrajsek, Handschuh and Decker 1994, NASA TM 106467). As damage grows it
-    keeps rising where FM4 falls back, since the early, healthy variances stay in the mean.
+    `mesh_envelope` NB4 (Zakrajsek, Handschuh and Decker 1994, NASA TM 106467), with the mean
+    variance of the records so far as the reference. With that of healthy records alone the value
+    keeps rising as damage grows, where FM4 falls back.
     """
+    signal = real_array(signal, 'signal')
+    square = (signal - signal.mean(axis=0)) ** 2
+    return ratio((square**2).mean(axis=0), np.asarray(variance, dtype=float) ** 2)
+
+
+class RunningKurtosis:
+    """`variance_ratio_kurtosis` with the mean variance of the records so far as the reference."""
 
     def __init__(self) -> None:
         self._count = 0
         self._variance_sum = np.zeros(())
 
-    def add(self, signal: np.ndarray) -> np.ndarray:
-        """Take the next record, shape (points,) or (points, channels); return its value."""
-        centred = signal - signal.mean(axis=0)
-        square = centred * centred
+    def add(self, signal: npt.ArrayLike) -> np.ndarray:
+        """Take the next record, one channel or (points, channels); return its value."""
         self._count += 1
-        self._variance_sum = self._variance_sum + square.mean(axis=0)
-        return ratio((square * square).mean(axis=0), (self._variance_sum / self._count) ** 2)
+        self._variance_sum = self._variance_sum + np.var(real_array(signal, 'signal'), axis=0)
+        return variance_ratio_kurtosis(signal, self._variance_sum / self._count)
 
 
-def mesh_envelope(average: np.ndarray, teeth: int) -> np.ndarray:
-    """Return the envelope of the band of one mesh frequency around the strongest mesh harmonic.
+def strongest_harmonic(average: npt.ArrayLike, teeth: int) -> np.ndarray:
+    """Return the number of the strongest mesh harmonic, 1 or more, one value a channel."""
+    return 1 + np.argmax(mesh_amplitudes(average, teeth), axis=0)
+
+
+def mesh_envelope(
+    average: npt.ArrayLike, teeth: int, harmonic: npt.ArrayLike | None = None
+) -> np.ndarray:
+    """Return the envelope of the band of one mesh frequency around a mesh harmonic.
 
     The band goes half-way to the neighbouring harmonics. Input of NB4 (Zakrajsek, Handschuh and
-    Decker 1994). Shape of the average.
+    Decker 1994).
+
+    Parameters
+    ----------
+    average : array_like
+        One revolution of the wheel along the first axis.
+    teeth : int
+    harmonic : array_like of int, optional
+        Of each channel; the strongest by default. A history of NB4 must keep to one harmonic: of
+        two that are equally strong the strongest changes by chance.
+
+    Returns
+    -------
+    ndarray
+        Of the shape of the average.
     """
-    columns = average.reshape(len(average), -1)
-    lines = fft.fft(columns, axis=0)
-    strongest = teeth * (1 + np.argmax(mesh_amplitudes(columns, teeth), axis=0))
-    orders = np.arange(len(columns))[:, np.newaxis]
-    band = (np.abs(orders - strongest) <= teeth / 2) & (orders < len(columns) / 2)
-    return np.abs(fft.ifft(np.where(band, 2 * lines, 0), axis=0)).reshape(average.shape)
+    average, teeth = checked_average(average, teeth)
+    if harmonic is None:
+        harmonic = strongest_harmonic(average, teeth)
+    centre = teeth * np.asarray(harmonic)
+    orders = np.arange(len(average)).reshape(-1, *(1,) * (average.ndim - 1))
+    band = (np.abs(orders - centre) <= teeth / 2) & (orders < len(average) / 2)
+    return np.abs(fft.ifft(np.where(band, 2 * fft.fft(average, axis=0), 0), axis=0))
 
 
 def energy_ratio(parts: Parts) -> np.ndarray:
-    """Return RMS(difference) / RMS(regular with first side bands) (Swansson 1980)."""
+    """Return RMS(difference) / RMS(regular with first sidebands) (Swansson 1980)."""
     return ratio(rms(parts.difference), rms(parts.regular))
 
 
-def first_side_bands(average: np.ndarray, teeth: int) -> np.ndarray:
+def first_sidebands(average: npt.ArrayLike, teeth: int) -> np.ndarray:
     """Return the peak amplitudes at orders teeth - 1 and teeth + 1, shape (2, ...)."""
-    lines = 2 / len(average) * np.abs(fft.rfft(average, axis=0))
-    return lines[[teeth - 1, teeth + 1]]
+    average, teeth = checked_average(average, teeth, 2 * teeth + 2)
+    return line_amplitudes(average)[[teeth - 1, teeth + 1]]
 
 
-def side_band_index(average: np.ndarray, teeth: int) -> np.ndarray:
-    """Return the mean amplitude of the two first side bands of the mesh frequency.
+def sideband_index(average: npt.ArrayLike, teeth: int) -> np.ndarray:
+    """Return the mean amplitude of the two first sidebands of the mesh frequency.
 
     A (1 + m cos) at the mesh frequency gives A m / 2 (Sait and Sharaf-Eldeen 2011).
     """
-    return first_side_bands(average, teeth).mean(axis=0)
+    return first_sidebands(average, teeth).mean(axis=0)
 
 
-def side_band_level_factor(average: np.ndarray, teeth: int) -> np.ndarray:
-    """Return the sum of the two first side bands over the RMS of the average without its mean.
+def sideband_level_factor(average: npt.ArrayLike, teeth: int) -> np.ndarray:
+    """Return the sum of the two first sidebands over the RMS of the average without its mean.
 
     A (1 + m cos) gives m sqrt(2) / sqrt(1 + m^2 / 2) (Sait and Sharaf-Eldeen 2011).
     """
-    return ratio(first_side_bands(average, teeth).sum(axis=0), np.std(average, axis=0))
+    return ratio(
+        first_sidebands(average, teeth).sum(axis=0), np.std(real_array(average, 'average'), axis=0)
+    )
 
 
 def has_difference(parts: Parts) -> np.ndarray:
-    """Return whether there is a difference signal to speak of, per channel.
+    """Return whether there is a difference signal above rounding, per channel.
 
     A rig without noise or fault has none; ratios of what is left then tell of rounding only.
     """
-    return rms(parts.difference) >= NOTHING * rms(parts.regular)
+    return rms(parts.difference) > NOTHING * rms(parts.regular)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.signal import kaiser_beta
 
 from gear_dynamics.kernels import kernel
 
 HALF_WIDTH = 16
-"""Samples on either side of an instant that its value is made of."""
+"""Samples on either side of an instant from which its value is interpolated."""
 
 _PHASES = 1024
 _STOP_BAND = 100.0  # dB
@@ -15,7 +16,7 @@ _STOP_BAND = 100.0  # dB
 
 def _weights() -> np.ndarray:
     """Return the windowed sinc at 1024 places between two samples, shape (1025, 32)."""
-    beta = 0.1102 * (_STOP_BAND - 8.7)  # Kaiser 1974, for this attenuation
+    beta = kaiser_beta(_STOP_BAND)
     taps = np.arange(1 - HALF_WIDTH, HALF_WIDTH + 1)
     distance = np.arange(_PHASES + 1)[:, np.newaxis] / _PHASES - taps
     inside = np.sqrt(np.clip(1 - (distance / HALF_WIDTH) ** 2, 0, None))
@@ -26,7 +27,7 @@ def _weights() -> np.ndarray:
 _WEIGHTS = _weights()
 
 ACCURATE_BAND = 0.4
-"""Share of the sample rate below which a tone comes out within 3e-5 of its amplitude."""
+"""Fraction of the sample rate below which a tone comes out within 3e-5 of its amplitude."""
 
 
 def interpolate(rows: np.ndarray, positions: np.ndarray) -> np.ndarray:

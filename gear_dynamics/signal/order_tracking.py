@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
+from gear_dynamics.signal.arguments import real_array, whole_number
 from gear_dynamics.signal.interpolation import HALF_WIDTH, interpolate
 from gear_dynamics.signal.spectrum import amplitude_spectrum
 
 
 def mesh_phase(
-    pinion_angle: np.ndarray,
-    gear_angle: np.ndarray,
+    pinion_angle: npt.ArrayLike,
+    gear_angle: npt.ArrayLike,
     pinion_teeth: int,
     gear_teeth: int,
     pinion_weight: float = 1.0,
@@ -19,7 +21,7 @@ def mesh_phase(
 
     Parameters
     ----------
-    pinion_angle, gear_angle : ndarray, shape (n,)
+    pinion_angle, gear_angle : array_like, shape (n,)
         Shaft angles [rad], wrapped or not, moving by less than half a turn a sample.
     pinion_teeth, gear_teeth : int
     pinion_weight : float
@@ -27,13 +29,17 @@ def mesh_phase(
         `pinion_inertia_share`, the torsional vibration of the pair cancels and the rotation of
         the rigid pair remains, with the slow twist of the drive: nothing in steady motion.
     """
-    pinion = np.unwrap(np.asarray(pinion_angle, dtype=float)) * pinion_teeth / (2 * np.pi)
+    pinion = np.unwrap(_angle(pinion_angle, 'pinion_angle')) * pinion_teeth / (2 * np.pi)
     if pinion_weight == 1:
         return pinion
-    gear = np.unwrap(np.asarray(gear_angle, dtype=float)) * gear_teeth / (2 * np.pi)
+    gear = np.unwrap(_angle(gear_angle, 'gear_angle')) * gear_teeth / (2 * np.pi)
     # Whole turns are lost in the angles; both wheels pass the same phase of the mesh.
     gear -= np.round(gear[0] - pinion[0])
     return pinion_weight * pinion + (1 - pinion_weight) * gear
+
+
+def _angle(values: npt.ArrayLike, name: str) -> np.ndarray:
+    return real_array(values, name).astype(float, copy=False)
 
 
 def pinion_inertia_share(
@@ -44,34 +50,45 @@ def pinion_inertia_share(
     return pinion_inertia / (pinion_inertia + reduced)
 
 
-def resample_by_phase(x: np.ndarray, phase: np.ndarray, points: int) -> tuple[int, np.ndarray]:
+def resample_by_phase(
+    x: npt.ArrayLike, phase: npt.ArrayLike, points: int, *, axis: int = 0
+) -> tuple[int, np.ndarray]:
     """Return x at equal steps of the phase, `points` a cycle.
 
-    The instants are interpolated linearly in the phase, which a steady acceleration a [cycles/s2]
-    moves by at most a / (8 rate^2) cycles, and x band-limited, which holds for what lies below 0.4
-    of the sample rate. There is no low-pass filter: with fewer points than samples in a cycle,
-    what lies above points / 2 orders folds back. The 16 samples at either end give no points.
+    The instants are interpolated linearly in the phase; a steady acceleration a [cycles/s2] makes
+    an error of at most a / (8 rate^2) cycles. x is interpolated as a band-limited signal, which is
+    accurate for content below 0.4 of the sample rate. There is no low-pass filter: with fewer
+    points than samples in a cycle, content above points / 2 orders is aliased. The 16 samples at
+    either end give no points.
 
     Parameters
     ----------
-    x : ndarray, shape (n,) or (n, channels)
-        More than 32 samples.
-    phase : ndarray, shape (n,)
+    x : array_like
+        More than 32 samples along `axis`.
+    phase : array_like, shape (n,)
         In cycles, rising.
     points : int
         Points in a cycle.
+    axis : int
+        Axis of the samples.
 
     Returns
     -------
     first : int
         The first point is at phase first / points.
-    values : ndarray, shape (m,) or (m, channels)
+    values : ndarray
+        Of the shape of x, with the points along `axis`.
 
     Raises
     ------
     ValueError
-        If the phase does not rise everywhere.
+        If the phase does not rise everywhere, its length is not that of x, or a value is not
+        finite.
     """
+    x, phase = real_array(x, axis=axis), real_array(phase, 'phase')
+    points = whole_number(points, 'points')
+    if phase.shape != x.shape[:1]:
+        raise ValueError(f'phase has the shape {phase.shape}: it must be {x.shape[:1]}, as x has')
     if not np.all(np.diff(phase) > 0):
         raise ValueError('the phase does not rise at every sample: the shaft must turn forward')
     if len(phase) <= 2 * HALF_WIDTH:
@@ -79,13 +96,13 @@ def resample_by_phase(x: np.ndarray, phase: np.ndarray, points: int) -> tuple[in
     first = int(np.ceil(phase[HALF_WIDTH] * points))
     ticks = np.arange(first, int(np.floor(phase[-1 - HALF_WIDTH] * points)) + 1)
     positions = np.interp(ticks / points, phase, np.arange(len(phase)))
-    values = interpolate(np.reshape(x, (len(x), -1)), positions)
-    return first, values.reshape((-1, *np.shape(x)[1:]))
+    values = interpolate(x.reshape(len(x), -1), positions)
+    return first, np.moveaxis(values.reshape((-1, *x.shape[1:])), 0, axis)
 
 
 def order_spectrum(
-    x: np.ndarray,
-    phase: np.ndarray,
+    x: npt.ArrayLike,
+    phase: npt.ArrayLike,
     teeth: int,
     *,
     points: int = 128,
@@ -93,13 +110,14 @@ def order_spectrum(
     window: str = 'hann',
     overlap: float = 0.5,
     scale: str = 'peak',
+    axis: int = 0,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the amplitude spectrum over orders of the wheel with `teeth` teeth.
 
     Parameters
     ----------
-    x : ndarray, shape (n,) or (n, channels)
-    phase : ndarray, shape (n,)
+    x : array_like
+    phase : array_like, shape (n,)
         Mesh phase in cycles, rising.
     teeth : int
         Mesh cycles in a revolution of the wheel.
@@ -109,14 +127,17 @@ def order_spectrum(
         Length of a segment; lines are 1 / revolutions orders apart.
     window, overlap, scale
         As `amplitude_spectrum` takes them.
+    axis : int
+        Axis of the samples.
 
     Returns
     -------
     order : ndarray
         Events in a revolution.
-    amplitude : ndarray, shape of order, or that and channels
+    amplitude : ndarray
+        Of the shape of x, with one line an order along `axis`.
     """
-    _, values = resample_by_phase(x, phase, points)
+    _, values = resample_by_phase(x, phase, points, axis=axis)
     return amplitude_spectrum(
         values,
         points * teeth,
@@ -124,4 +145,5 @@ def order_spectrum(
         length=points * teeth * revolutions,
         overlap=overlap,
         scale=scale,
+        axis=axis,
     )

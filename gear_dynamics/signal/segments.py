@@ -51,7 +51,7 @@ class SegmentBuffer:
 
 
 def hop_of(length: int, overlap: float) -> int:
-    """Return the hop [rows] of segments that share the fraction `overlap` of their length.
+    """Return the hop [rows] of segments that overlap by the fraction `overlap` of their length.
 
     Raises
     ------

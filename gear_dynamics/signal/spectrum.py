@@ -8,8 +8,10 @@ from __future__ import annotations
 import functools
 
 import numpy as np
+import numpy.typing as npt
 from scipy import fft, signal
 
+from gear_dynamics.signal.arguments import positive, real_array, whole_number
 from gear_dynamics.signal.segments import SegmentBuffer, hop_of
 
 AVERAGINGS = ('linear', 'exponential')
@@ -48,14 +50,15 @@ def mean_square_lines(segment: np.ndarray, window: np.ndarray) -> np.ndarray:
 
     Parameters
     ----------
-    segment : ndarray, shape (n, channels)
+    segment : ndarray, shape (n, ...)
     window : ndarray, shape (n,)
 
     Returns
     -------
-    ndarray, shape (n // 2 + 1, channels)
+    ndarray, shape (n // 2 + 1, ...)
     """
-    lines = fft.rfft(segment * (window / window.sum())[:, np.newaxis], axis=0)
+    weights = (window / window.sum()).reshape(-1, *(1,) * (segment.ndim - 1))
+    lines = fft.rfft(segment * weights, axis=0)
     square = lines.real**2 + lines.imag**2
     square[1 : (len(segment) + 1) // 2] *= 2
     return square
@@ -77,6 +80,11 @@ def amplitudes(mean_square: np.ndarray, length: int, scale: str = 'peak') -> np.
     if scale == 'peak':
         result[1 : (length + 1) // 2] *= np.sqrt(2.0)
     return result
+
+
+def line_amplitudes(segment: np.ndarray) -> np.ndarray:
+    """Return the peak amplitudes of all lines of a segment without a window, shape (lines, ...)."""
+    return amplitudes(mean_square_lines(segment, np.ones(len(segment))), len(segment))
 
 
 class PowerAverage:
@@ -115,7 +123,7 @@ class PowerAverage:
 
 
 def amplitude_spectrum(
-    x: np.ndarray,
+    x: npt.ArrayLike,
     rate: float,
     *,
     window: str = 'hann',
@@ -124,12 +132,13 @@ def amplitude_spectrum(
     averaging: str = 'linear',
     averages: int = 8,
     scale: str = 'peak',
+    axis: int = 0,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the averaged one-sided amplitude spectrum (Welch 1967), in the channel's unit.
 
     Parameters
     ----------
-    x : ndarray, shape (n,) or (n, channels)
+    x : array_like
     rate : float
         Samples per second, or per revolution for orders.
     window : str
@@ -137,32 +146,38 @@ def amplitude_spectrum(
     length : int, optional
         Samples in a segment; all of x by default.
     overlap : float
-        Share of a segment that the next one has in common with it, [0, 1).
+        Overlap of consecutive segments, as a fraction: at least 0, below 1.
     averaging : str
         `linear`: the mean over all segments; `exponential`: the newest weighs 1 / averages.
     averages : int
         Memory of the exponential average, in segments.
     scale : str
         `peak` or `rms`.
+    axis : int
+        Axis of the samples.
 
     Returns
     -------
     frequency : ndarray, shape (length // 2 + 1,)
-    amplitude : ndarray, shape of frequency, or that and channels
+    amplitude : ndarray
+        Of the shape of x, with one line a frequency along `axis`.
 
     Raises
     ------
     ValueError
-        If an argument is not allowed, or x is shorter than one segment.
+        If an argument is not allowed, a value of x is not finite, or x is shorter than one segment.
     """
-    length = len(x) if length is None else length
+    x = real_array(x, axis=axis)
+    rate = positive(rate, 'rate')
+    length = len(x) if length is None else whole_number(length, 'length', 2)
     if len(x) < max(length, 2):
-        raise ValueError(f'{len(x)} samples are fewer than one segment of {length}')
-    columns = np.asarray(x, dtype=float).reshape(len(x), -1)
+        raise ValueError(f'{len(x)} samples are fewer than one segment of {max(length, 2)}')
+    columns = x.reshape(len(x), -1)
     weights = window_samples(window, length)
     average = PowerAverage(averaging, averages)
-    for segment in SegmentBuffer(length, hop_of(length, overlap), columns.shape[1]).push(columns):
+    hop = hop_of(length, overlap)
+    for segment in SegmentBuffer(length, hop, columns.shape[1]).push(columns):
         average.add(mean_square_lines(segment, weights))
     assert average.mean_square is not None
-    result = amplitudes(average.mean_square, length, scale)
-    return fft.rfftfreq(length, 1 / rate), result.reshape((-1, *np.shape(x)[1:]))
+    result = amplitudes(average.mean_square, length, scale).reshape((-1, *x.shape[1:]))
+    return fft.rfftfreq(length, 1 / rate), np.moveaxis(result, 0, axis)

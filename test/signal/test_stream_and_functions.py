@@ -74,7 +74,7 @@ def test_synchronous_average(record, wheel, teeth, revolutions):
         'fm0': indicators.fm0(average, teeth),
         'fm4': indicators.fm4(parts.difference),
         'energy_ratio': indicators.energy_ratio(parts),
-        'side_band_index': indicators.side_band_index(average, teeth),
+        'sideband_index': indicators.sideband_index(average, teeth),
         'na4': indicators.RunningKurtosis().add(parts.residual),
     }
     for name, value in expected.items():
