@@ -89,7 +89,7 @@ def pack(pair: GearPair, rtol: float, atol: float, drive: bool = True) -> np.nda
         'rb2': derived.gear_base_radius,
         'ratio': ratio,
         'inertia_t': inertia_t,
-        'k': pair.tooth_pair_stiffness,
+        'k': derived.single_stiffness,
         'c': derived.tooth_pair_damping,
         'b': pair.half_backlash,
         'mu': pair.friction_coefficient,
@@ -107,7 +107,7 @@ def pack(pair: GearPair, rtol: float, atol: float, drive: bool = True) -> np.nda
         'fastest': _fastest_mode(pair),
         'rtol': rtol,
         'atol': atol,
-        'rectangular': pair.mesh_stiffness == 'rectangular',
+        'rectangular': pair.mesh_stiffness != 'constant',
         'damping_in_gap': pair.damping_in_gap,
         'drive': drive,
         'tooth1': 2 * math.pi / pair.pinion_teeth,
@@ -161,7 +161,7 @@ def _fastest_mode(pair: GearPair) -> float:
     The sum of what the mesh and the supports alone would give (Weyl's inequality).
     """
     derived = pair.derived
-    mesh = 2 * pair.tooth_pair_stiffness
+    mesh = 2 * derived.single_stiffness
     mesh *= 1 / derived.pinion_mass + 1 / derived.gear_mass + 1 / derived.equivalent_mass
     supports = max(
         pair.pinion_support_stiffness / derived.pinion_mass,

@@ -6,6 +6,7 @@ import dataclasses
 import math
 from typing import TYPE_CHECKING
 
+from gear_dynamics.model.mesh.stiffness import single_stiffnesses, stiffness
 from gear_dynamics.parameters.parameter import ParameterError
 
 if TYPE_CHECKING:
@@ -31,14 +32,19 @@ class Derived:
     contact_ratio : float
         path_length / base_pitch.
     pinion_mass, gear_mass : float
-        As given, or of the solid disc [kg].
+        As given, or of the disc of the pitch diameter with its bore [kg].
     pinion_inertia, gear_inertia : float
-        As given, or of the solid disc of that mass [kg m2].
+        As given, or of that disc with that mass [kg m2].
     equivalent_mass : float
         1 / (rb1^2 / I1 + rb2^2 / I2) [kg].
+    single_stiffness : float
+        k of one tooth pair alone in contact at the pitch point, by the method that
+        `mesh_stiffness` names [N/m].
+    potential_energy_stiffness, iso_6336_stiffness : float
+        The same by these methods, for comparison; 0 where a method does not cover the pair [N/m].
     wn : float
-        sqrt(k / equivalent mass) on the stiffness of one tooth pair [rad/s]: the scale of
-        dimensionless time, not a mode.
+        sqrt(k / equivalent mass) on `single_stiffness` [rad/s]: the scale of dimensionless time,
+        not a mode.
     tooth_pair_damping : float
         2 zeta sqrt(k me) [N s/m].
     pinion_support_damping, gear_support_damping : float
@@ -61,6 +67,9 @@ class Derived:
     pinion_inertia: float
     gear_inertia: float
     equivalent_mass: float
+    single_stiffness: float
+    potential_energy_stiffness: float
+    iso_6336_stiffness: float
     wn: float
     tooth_pair_damping: float
     pinion_support_damping: float
@@ -73,7 +82,8 @@ def derive(pair: GearPair) -> Derived:
     Raises
     ------
     ParameterError
-        If the contact ratio is outside [1, 2), or the tips would interfere.
+        If the contact ratio is outside [1, 2), the tips would interfere, a bore leaves no rim, or
+        the method of `mesh_stiffness` does not cover the pair.
     """
     angle = math.radians(pair.pressure_angle_deg)
     r1, r2 = pair.module * pair.pinion_teeth / 2, pair.module * pair.gear_teeth / 2
@@ -85,12 +95,16 @@ def derive(pair: GearPair) -> Derived:
     contact_ratio = (approach + recess) / base_pitch
     _refuse_bad_contact(pair, contact_ratio, approach, recess, r1, r2, angle)
 
-    mass1 = pair.pinion_mass or pair.density * math.pi * r1**2 * pair.face_width
-    mass2 = pair.gear_mass or pair.density * math.pi * r2**2 * pair.face_width
-    inertia1 = pair.pinion_inertia or mass1 * r1**2 / 2
-    inertia2 = pair.gear_inertia or mass2 * r2**2 / 2
+    _refuse_bad_bores(pair, r1, r2)
+    bore1, bore2 = pair.pinion_bore / 2, pair.gear_bore / 2
+    per_area = pair.density * math.pi
+    mass1 = pair.pinion_mass or per_area * (r1**2 - bore1**2) * pair.face_width
+    mass2 = pair.gear_mass or per_area * (r2**2 - bore2**2) * pair.face_width
+    inertia1 = pair.pinion_inertia or mass1 * (r1**2 + bore1**2) / 2
+    inertia2 = pair.gear_inertia or mass2 * (r2**2 + bore2**2) / 2
     equivalent_mass = 1 / (rb1**2 / inertia1 + rb2**2 / inertia2)
-    k = pair.tooth_pair_stiffness
+    k = stiffness(pair).single
+    by_method = single_stiffnesses(pair)
     return Derived(
         pinion_pitch_radius=r1,
         gear_pitch_radius=r2,
@@ -108,6 +122,9 @@ def derive(pair: GearPair) -> Derived:
         pinion_inertia=inertia1,
         gear_inertia=inertia2,
         equivalent_mass=equivalent_mass,
+        single_stiffness=k,
+        potential_energy_stiffness=by_method['potential_energy'],
+        iso_6336_stiffness=by_method['iso_6336'],
         wn=math.sqrt(k / equivalent_mass),
         tooth_pair_damping=2 * pair.mesh_damping_ratio * math.sqrt(k * equivalent_mass),
         pinion_support_damping=(
@@ -117,6 +134,16 @@ def derive(pair: GearPair) -> Derived:
             2 * pair.support_damping_ratio * math.sqrt(pair.gear_support_stiffness * mass2)
         ),
     )
+
+
+def _refuse_bad_bores(pair: GearPair, r1: float, r2: float) -> None:
+    for name, radius in (('pinion_bore', r1), ('gear_bore', r2)):
+        root = 2 * (radius - 1.25 * pair.module)
+        if getattr(pair, name) >= root:
+            raise ParameterError(
+                f'{name} is {getattr(pair, name):g} m: it must be smaller than the root circle, '
+                f'{root:g} m'
+            )
 
 
 def _refuse_bad_contact(

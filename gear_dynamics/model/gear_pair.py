@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from gear_dynamics.model.derived import Derived, derive
+from gear_dynamics.model.mesh.healthy import healthy_ports
+from gear_dynamics.model.ports import Ports
 from gear_dynamics.parameters.gear_pair import GearPairParameters
 from gear_dynamics.parameters.parameter import ParameterError
 
@@ -27,11 +29,17 @@ class GearPair(GearPairParameters):
     def __post_init__(self) -> None:
         super().__post_init__()
         self.derived  # noqa: B018  (geometry without continuous contact is refused here)
+        self.healthy_ports  # noqa: B018  (and so are malformed texts)
 
     @functools.cached_property
     def derived(self) -> Derived:
         """Geometry, masses, damping and scales that follow from the parameters."""
         return derive(self)
+
+    @functools.cached_property
+    def healthy_ports(self) -> Ports:
+        """How the healthy pair departs from the nominal rectangle and sine."""
+        return healthy_ports(self)
 
     # The model knows no YAML: what does is loaded only by those who ask for it.
 

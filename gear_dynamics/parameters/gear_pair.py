@@ -6,6 +6,20 @@ import dataclasses
 
 from gear_dynamics.parameters.parameter import ParameterSet, parameter
 
+MESH_STIFFNESSES = (
+    'rectangular',
+    'constant',
+    'potential_energy',
+    'potential_energy_per_pair',
+    'iso_6336',
+    'harmonic',
+    'table',
+)
+"""Ways to the stiffness of a tooth pair."""
+
+FRICTION_MODELS = ('coulomb', 'benedict_kelley', 'xu_kahraman')
+"""Laws of the friction coefficient."""
+
 
 @dataclasses.dataclass(frozen=True)
 class GearPairParameters(ParameterSet):
@@ -46,8 +60,48 @@ class GearPairParameters(ParameterSet):
     )
     mesh_stiffness: str = parameter(
         'rectangular',
-        'rectangular: of the one or two pairs in contact; constant: of one pair at all times',
-        choices=('rectangular', 'constant'),
+        'rectangular: of the one or two pairs in contact; constant: of one pair at all times; the '
+        'others follow the place of contact, see docs/faults.md',
+        choices=MESH_STIFFNESSES,
+    )
+    stiffness_ratio: float = parameter(
+        2.0,
+        'stiffness of two tooth pairs over that of one, for rectangular',
+        minimum=1.0,
+        maximum=2.0,
+    )
+    stiffness_harmonics: str = parameter(
+        '',
+        'for harmonic: amplitude over the mean and phase [rad] of each harmonic of the mesh, such '
+        "as '0.3 0, 0.1 1.57'; the mean is tooth_pair_stiffness",
+    )
+    stiffness_table: str = parameter(
+        '', 'for table: file with columns s [m] and stiffness of the tooth pair there [N/m]'
+    )
+    youngs_modulus: float = parameter(
+        206e9, "Young's modulus of both wheels", unit='Pa', minimum=1e6, maximum=1e12
+    )
+    poissons_ratio: float = parameter(
+        0.3, "Poisson's ratio of both wheels", minimum=0.0, maximum=0.49
+    )
+    pinion_bore: float = parameter(
+        0.0, "diameter of the pinion's bore; 0 is solid", unit='m', minimum=0.0, maximum=10.0
+    )
+    gear_bore: float = parameter(
+        0.0, "diameter of the gear's bore; 0 is solid", unit='m', minimum=0.0, maximum=10.0
+    )
+    tip_relief_amount: float = parameter(
+        0.0, 'tip relief of both wheels, at the tip', unit='m', minimum=0.0, maximum=1e-3
+    )
+    tip_relief_length: float = parameter(
+        0.0,
+        'length of the tip relief along the path of contact',
+        unit='m',
+        minimum=0.0,
+        maximum=0.1,
+    )
+    tip_relief_shape: str = parameter(
+        'linear', 'shape of the tip relief', choices=('linear', 'parabolic')
     )
     mesh_damping_ratio: float = parameter(
         0.03, 'damping ratio of one tooth pair', minimum=0.0, maximum=1.0, live=True
@@ -74,8 +128,25 @@ class GearPairParameters(ParameterSet):
         maximum=6.283185307179586,
         live=True,
     )
+    transmission_error_harmonics: str = parameter(
+        '',
+        'further harmonics of the transmission error: order of the mesh, amplitude [m] and phase '
+        "[rad] of each, such as '2 3e-6 0, 3 1e-6 1.57'",
+    )
+    friction_model: str = parameter(
+        'coulomb',
+        'coulomb: friction_coefficient everywhere; the others give it over the path of contact '
+        'from load and speed, see docs/faults.md',
+        choices=FRICTION_MODELS,
+    )
     friction_coefficient: float = parameter(
         0.03, 'Coulomb friction coefficient of the flanks', minimum=0.0, maximum=1.0, live=True
+    )
+    viscosity: float = parameter(
+        0.05, 'dynamic viscosity of the oil', unit='Pa s', minimum=1e-4, maximum=10.0
+    )
+    roughness: float = parameter(
+        0.4e-6, 'mean roughness Ra of both flanks', unit='m', minimum=1e-8, maximum=1e-5
     )
     pinion_support_stiffness: float = parameter(
         5e8, 'support stiffness of the pinion, in x and in y', unit='N/m', minimum=1e3, maximum=1e15

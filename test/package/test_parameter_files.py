@@ -33,7 +33,7 @@ def test_default_file_is_the_default_pair_and_rig():
     assert {*gd.GearPair().to_mapping(), *SimSettings().to_mapping()} == set(values)
 
 
-@pytest.mark.parametrize('name', ['friction_chaos', 'friction_chaos_near'])
+@pytest.mark.parametrize('name', ['friction_chaos', 'friction_chaos_near', 'quiet'])
 def test_rig_that_is_shipped_is_accepted(name):
     path = ROOT / 'config' / f'{name}.yaml'
     check_parameter_file(path)
