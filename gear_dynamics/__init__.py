@@ -1,4 +1,7 @@
-"""Real-time vibration of a simulated spur gear pair; no ROS is needed for this API."""
+"""Real-time vibration of a simulated spur gear pair; no ROS is needed for this API.
+
+Names are imported when they are first used: `import gear_dynamics` alone loads no compiler.
+"""
 
 from __future__ import annotations
 
@@ -6,42 +9,65 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from gear_dynamics import dynamics, signal, study
     from gear_dynamics.bag.reader import read_log
     from gear_dynamics.machine.columns import EventKind
     from gear_dynamics.model.gear_pair import GearPair
     from gear_dynamics.parameters.parameter import ParameterError
+    from gear_dynamics.run_figure import plot
     from gear_dynamics.simulation.batch import simulate_batch
-    from gear_dynamics.simulation.simulator import IntegrationError, Simulator, simulate
+    from gear_dynamics.simulation.run import Run
+    from gear_dynamics.simulation.simulate import simulate
+    from gear_dynamics.simulation.simulator import IntegrationError, Simulator
 
-_HOMES = {
-    'EventKind': 'gear_dynamics.machine.columns',
-    'GearPair': 'gear_dynamics.model.gear_pair',
-    'IntegrationError': 'gear_dynamics.simulation.simulator',
-    'ParameterError': 'gear_dynamics.parameters.parameter',
-    'Simulator': 'gear_dynamics.simulation.simulator',
-    'read_log': 'gear_dynamics.bag.reader',
-    'simulate': 'gear_dynamics.simulation.simulator',
-    'simulate_batch': 'gear_dynamics.simulation.batch',
-}
+    __version__: str
 
 __all__ = [
     'EventKind',
     'GearPair',
     'IntegrationError',
     'ParameterError',
+    'Run',
     'Simulator',
+    '__version__',
+    'dynamics',
+    'plot',
     'read_log',
+    'signal',
     'simulate',
     'simulate_batch',
+    'study',
 ]
+
+_MODULES = {
+    'EventKind': 'machine.columns',
+    'GearPair': 'model.gear_pair',
+    'IntegrationError': 'simulation.simulator',
+    'ParameterError': 'parameters.parameter',
+    'Run': 'simulation.run',
+    'Simulator': 'simulation.simulator',
+    '__version__': 'versions',
+    'plot': 'run_figure',
+    'read_log': 'bag.reader',
+    'simulate': 'simulation.simulate',
+    'simulate_batch': 'simulation.batch',
+}
+"""The module that each name comes from."""
+
+_PACKAGES = {'dynamics': 'dynamics', 'signal': 'signal', 'study': 'study'}
+"""Packages of functions."""
 
 
 def __getattr__(name: str) -> Any:
-    # Imported when first used: the command line must not wait for the compiler to load.
-    if name not in _HOMES:
+    if name in _PACKAGES:
+        found: Any = importlib.import_module(f'{__name__}.{_PACKAGES[name]}')
+    elif name in _MODULES:
+        found = getattr(importlib.import_module(f'{__name__}.{_MODULES[name]}'), name)
+    else:
         raise AttributeError(f'module {__name__!r} has no attribute {name!r}')
-    return getattr(importlib.import_module(_HOMES[name]), name)
+    globals()[name] = found
+    return found
 
 
 def __dir__() -> list[str]:
-    return sorted([*globals(), *__all__])
+    return sorted({*globals(), *__all__})

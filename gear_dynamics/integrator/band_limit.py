@@ -96,7 +96,7 @@ def _integral_to_end(values: np.ndarray, spacing: float) -> np.ndarray:
     return np.concatenate([np.cumsum(parts[::-1])[::-1], [0.0]])
 
 
-@kernel
+@kernel(nogil=True)
 def _decimate(weights, high, speeds, samples, shafts):
     """Fill samples and shafts with one filtered row for every OVERSAMPLING rows of `high`."""
     for i in range(high.shape[0]):
@@ -111,7 +111,7 @@ def _decimate(weights, high, speeds, samples, shafts):
         shafts[i, 0], shafts[i, 1] = high[centre, GEAR_SPEED], high[centre, DRIVE_TORQUE]
 
 
-@kernel
+@kernel(nogil=True)
 def _smooth(residuals, jumps, rate, high, first):
     """Band-limit jumps in the rows of `high`, of which row 0 is sample `first`."""
     for i in range(jumps.shape[0]):

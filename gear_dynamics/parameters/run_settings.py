@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import os
 from typing import Any
 
 from gear_dynamics.parameters.parameter import Parameter, ParameterError, ParameterSet, parameter
 
 _DURATION = Parameter('duration', 1.0, 'model time', unit='s', minimum=0.0, maximum=1e9)
+
+
+def _memory() -> float:
+    """Return the bytes of memory of this machine; without limit where the system does not say."""
+    try:
+        return float(os.sysconf('SC_PAGE_SIZE') * os.sysconf('SC_PHYS_PAGES'))
+    except (AttributeError, ValueError, OSError):
+        return math.inf
 
 
 @dataclasses.dataclass(frozen=True)
@@ -81,7 +90,7 @@ class RunSettings(ParameterSet):
                 f'duration is {duration!r}: it must be a sample or more, {shortest:.3g} s'
             )
         needed = count * runs * sample_size
-        memory = os.sysconf('SC_PAGE_SIZE') * os.sysconf('SC_PHYS_PAGES')
+        memory = _memory()
         if needed > memory:
             raise ParameterError(
                 f'duration is {duration!r}: its samples need {needed / 1e9:.3g} GB and the machine '

@@ -49,7 +49,7 @@ def why_stopped(clock: np.void, status: int, rtol: float) -> str:
     return f'{what}: the motion is no longer finite; check the parameters'
 
 
-@kernel
+@kernel(nogil=True)
 def _fill(records, zones, profiles, jumps, whole_every, out):
     return stepper.fill_samples(
         records[0], borrowed(zones), borrowed(profiles), borrowed(jumps), whole_every, borrowed(out)
@@ -348,55 +348,3 @@ def _checked_count(n: Any) -> int:
     if count < 0:
         raise ParameterError(f'n is {n!r}: it must be a whole number of samples, 0 or more')
     return count
-
-
-def simulate(
-    pair: GearPair,
-    duration: float = 1.0,
-    sample_rate: float = 51200.0,
-    speed: float = 104.72,
-    load_torque: float = 150.0,
-    *,
-    anti_alias: bool = False,
-    rtol: float = 1e-6,
-    atol: float = 1e-9,
-) -> np.ndarray:
-    """Run a gear pair from rest at constant commands.
-
-    Parameters
-    ----------
-    pair : GearPair
-    duration : float
-        Model time [s].
-    sample_rate : float
-        Samples per second [Hz].
-    speed : float
-        Pinion speed [rad/s].
-    load_torque : float
-        On the gear [N m].
-    anti_alias : bool
-        Band-limit the samples; the default gives the raw values.
-    rtol, atol : float
-        Tolerances of the integrator.
-
-    Returns
-    -------
-    (round(duration * sample_rate),) array of SAMPLES
-
-    Raises
-    ------
-    ParameterError
-        If an argument is out of its range.
-    IntegrationError
-        If the integrator cannot go on.
-    """
-    simulator = Simulator(
-        pair,
-        sample_rate=sample_rate,
-        speed=speed,
-        load_torque=load_torque,
-        anti_alias=anti_alias,
-        rtol=rtol,
-        atol=atol,
-    )
-    return simulator.advance(simulator.settings.sample_count(duration, SAMPLES.itemsize))

@@ -27,12 +27,14 @@ def speed_at(pair, w):
     return w * pair.derived.wn / pair.pinion_teeth
 
 
-def test_batch_equals_single_runs_to_the_last_bit():
+@pytest.mark.parametrize('anti_alias', [False, True])
+def test_batch_equals_single_runs_to_the_last_bit(anti_alias):
     pairs = [gd.GearPair(friction_coefficient=mu) for mu in (0.0, 0.03, 0.05)]
     speeds, torques = [104.72, 1200.0, 800.0], [150.0, 60.0, -40.0]
-    batch = gd.simulate_batch(pairs, speeds, torques, duration=0.05)
+    batch = gd.simulate_batch(pairs, speeds, torques, duration=0.05, anti_alias=anti_alias)
     for row, pair, speed, torque in zip(batch, pairs, speeds, torques, strict=True):
-        assert np.array_equal(row, gd.simulate(pair, 0.05, speed=speed, load_torque=torque))
+        values = {'speed': speed, 'load_torque': torque, 'anti_alias': anti_alias}
+        assert np.array_equal(row, gd.simulate(pair, 0.05, **values).samples)
 
 
 def test_batch_refuses_wrong_number_of_speeds():

@@ -7,7 +7,8 @@ from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.mesh.intervals import PROFILES
 from gear_dynamics.parameters.parameter import ParameterError
 from gear_dynamics.simulation.batch import simulate_batch
-from gear_dynamics.simulation.simulator import Simulator, simulate
+from gear_dynamics.simulation.simulate import simulate
+from gear_dynamics.simulation.simulator import Simulator
 
 
 def run_alone(duration, **values):

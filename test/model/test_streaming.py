@@ -9,7 +9,8 @@ from reference_equations import COLUMNS
 from gear_dynamics.integrator.motion import EVENT_ROOM
 from gear_dynamics.machine.columns import EventKind
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.simulation.simulator import Simulator, simulate
+from gear_dynamics.simulation.simulate import simulate
+from gear_dynamics.simulation.simulator import Simulator
 
 RPM = np.pi / 30
 COUNT = 3000
@@ -63,7 +64,7 @@ def test_reset_starts_at_the_present_commands():
 
 
 def test_simulate_is_a_simulator_run_from_rest():
-    samples = simulate(GearPair(), 0.02, 20000.0, 150.0, 80.0)
+    samples = simulate(GearPair(), 0.02, 20000.0, 150.0, 80.0, anti_alias=False).samples
     fresh = Simulator(
         GearPair(), sample_rate=20000.0, speed=150.0, load_torque=80.0, anti_alias=False
     )
