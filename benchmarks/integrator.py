@@ -106,9 +106,8 @@ def against(
         cost, states = quickest(lambda setting=setting: solve(setting))
         error = _delta_error(_delta_of(states), exact)
         rtol, mine = _as_accurate(error, duration, exact)
-        ours, _ = quickest(
-            lambda rtol=rtol: simulate(GearPair(), duration, rtol=rtol, anti_alias=False)
-        )
+        run = {'rtol': rtol, 'anti_alias': False}
+        ours, _ = quickest(lambda run=run: simulate(GearPair(), duration, **run))
         print(
             f'  {name} {setting:g}: error {error:.1e}, {duration / cost:.3g} x real time; here at '
             f'rtol {rtol:.0e} error {mine:.1e}, {duration / ours:.0f} x: '

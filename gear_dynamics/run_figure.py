@@ -58,7 +58,7 @@ def plot(run: Run, file: str | Path | None = None, *, channel: str = 'gear_ay') 
 
     if channel not in UNITS:
         raise ParameterError(f'channel is {channel!r}: it must be one of {", ".join(UNITS)}')
-    mesh = run.pair.pinion_teeth * float(run['speed'].mean()) / (2 * math.pi)
+    mesh = run.pair.pinion_teeth * run.settings.speed / (2 * math.pi)
     cycles = CYCLES / mesh if mesh > 0 else math.inf
     last = run.samples[run['t'] > run['t'][-1] - cycles]
     with mpl.rc_context(STYLE):
