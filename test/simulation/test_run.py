@@ -59,7 +59,7 @@ def test_a_run_is_drawn(run, tmp_path):
     assert len(section.collections[0].get_offsets()) == 91
     shown = wave.lines[0].get_xdata()
     assert np.ptp(shown) == pytest.approx(10 * 2 * np.pi / (34 * 335.1), rel=0.02)
-    assert 'multiples of the mesh frequency, 1813.3 Hz' in lines.get_title()
+    assert 'multiples of the mesh frequency, 1813.3 Hz' in lines.get_title(loc='left')
     assert portrait.get_xlabel() == 'δ / b'
     with pytest.raises(gd.ParameterError, match="channel is 'force': it must be one of pinion_ax"):
         gd.plot(run, channel='force')
