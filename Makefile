@@ -16,7 +16,7 @@ PYTEST := -m pytest --numprocesses 2 --dist worksteal
 .DEFAULT_GOAL := demo
 
 demo: $(VENV)/ros
-	@$(VENV)/bin/python -m gear_dynamics.demo
+	@$(VENV)/bin/python -m demo
 
 test: $(VENV)/test
 	@$(VENV)/bin/ruff check --quiet

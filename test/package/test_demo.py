@@ -9,14 +9,14 @@ import pytest
 import ros_support
 from ros_support import ROOT
 
+from demo.report import mesh_frequency
+from demo.stream import Child, DemoError
 from gear_dynamics.bag.reader import read_log
-from gear_dynamics.demo import Child, DemoError
-from gear_dynamics.demo_report import mesh_frequency
 
 
 def start(folder, domain):
     return subprocess.Popen(
-        [sys.executable, '-m', 'gear_dynamics.demo'],
+        [sys.executable, '-m', 'demo'],
         cwd=folder,
         env={**ros_support.environment(domain), 'PYTHONPATH': str(ROOT)},
         stdout=subprocess.PIPE,
@@ -43,13 +43,13 @@ def test_demo_streams_logs_and_tells_what_happened(domain, tmp_path):
 
 def test_interrupted_demo_ends_with_its_processes(domain, tmp_path):
     demo = start(tmp_path, domain)
-    said = tmp_path / 'demo' / 'sim.txt'
+    said = tmp_path / 'demo' / 'output' / 'sim.txt'
     ros_support.wait_until(lambda: said.exists() and 'streaming' in said.read_text(), 120)
     os.killpg(demo.pid, signal.SIGINT)  # what Ctrl-C does
     said = demo.communicate(timeout=60)[0]
     assert demo.returncode == 130
     assert 'Traceback' not in said
-    assert said.splitlines()[-1] == 'Stopped. What was logged so far is in demo/.'
+    assert said.splitlines()[-1] == 'Stopped. What was logged so far is in demo/output/.'
     with pytest.raises(ProcessLookupError):
         os.killpg(demo.pid, 0)
 

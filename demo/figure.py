@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from gear_dynamics.demo_report import Half
+from demo.report import Half
 from gear_dynamics.figure_style import COLOURS, INK, STYLE
 
 HIGHEST = 20.0
