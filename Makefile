@@ -1,5 +1,7 @@
 # make demo: set up, stream, analyse, log, and draw a picture
+# make quick: set up, check, and test what needs no ROS and no long run, in a minute
 # make test: set up, check and test everything
+# make fuzz, make mutants, make soak: long runs; see CONTRIBUTING.md
 
 PYTHON ?= python3
 VENV := .venv
@@ -12,11 +14,21 @@ unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 # Many tests wait for a stream: two at a time fill two cores.
 PYTEST := -m pytest --numprocesses 2 --dist worksteal
 
-.PHONY: demo test test-oldest readme
+.PHONY: demo quick test test-oldest readme
 .DEFAULT_GOAL := demo
 
 demo: $(VENV)/ros
 	@$(VENV)/bin/python -m demo
+
+# The rooms that compile little; ROS, chaos and long runs are left to `make test`.
+QUICK := test/parameters test/machine test/wire test/bag test/signal test/monitoring test/recordings \
+  test/model test/simulation test/package/test_arrows.py test/package/test_doctests.py
+
+quick: $(VENV)/test
+	@$(VENV)/bin/ruff check --quiet
+	@$(VENV)/bin/ruff format --quiet --check
+	@$(VENV)/bin/mypy
+	@$(VENV)/bin/python $(PYTEST) --quiet -m 'not slow' $(wildcard $(QUICK))
 
 test: $(VENV)/test
 	@$(VENV)/bin/ruff check --quiet
@@ -38,7 +50,7 @@ $(VENV)/test: setup.py package.xml
 
 $(OLDEST)/test: setup.py package.xml
 	@$(PYTHON) tools/environment.py $(OLDEST) -e . 'numpy==1.26.*' 'scipy==1.11.*' \
-	  'numba==0.58.*' 'matplotlib==3.6.*' pytest pytest-timeout pytest-xdist mcap-ros2-support
+	  'numba==0.58.*' 'matplotlib==3.6.*' pytest pytest-timeout pytest-xdist hypothesis mcap-ros2-support
 	@touch $@
 
 # What README.md takes from the code.
