@@ -118,23 +118,33 @@ def _checked_values(arguments: argparse.Namespace) -> dict[str, Any]:
 def _operation(arguments: argparse.Namespace) -> Operation:
     from gear_dynamics import study
 
+    swept = getattr(arguments, 'parameter', None) or STUDIES[arguments.study].sweeps
     if arguments.params:
-        operation = study.read_operation(arguments.params)
+        operation = study.read_operation(arguments.params, **_replaced(arguments.set, swept))
     else:
         operation = getattr(study, STUDIES[arguments.study].operation)()
-    swept = getattr(arguments, 'parameter', None) or STUDIES[arguments.study].sweeps
     for name, value in arguments.set:
+        shown = f'{value:g}' if isinstance(value, float) else value
         if name == swept or {name, swept} == {'w', 'speed'}:
             raise ValueError(
-                f'--set {name}={value:g} would have no effect, as {arguments.study} sweeps '
+                f'--set {name}={shown} would have no effect, as {arguments.study} sweeps '
                 f'{swept}: give --begin and --end'
             )
         if name == 'friction_coefficient' and 'frictions' in STUDIES[arguments.study].options:
             raise ValueError(
-                f'--set {name}={value:g} would have no effect: give {arguments.study} --frictions'
+                f'--set {name}={shown} would have no effect: give {arguments.study} --frictions'
             )
         operation = operation.with_value(name, value)
     return operation
+
+
+def _replaced(settings: Sequence[tuple[str, Any]], swept: str) -> dict[str, float]:
+    """Return default speed and torque where those of a parameter file would have no effect."""
+    from gear_dynamics.parameters.run_settings import RunSettings
+
+    run, names = RunSettings(), {name for name, _ in settings} | {swept}
+    names |= {'speed'} if 'w' in names else set()
+    return {name: getattr(run, name) for name in ('speed', 'load_torque') if name in names}
 
 
 def _refuse_existing(arguments: argparse.Namespace) -> None:
@@ -237,14 +247,14 @@ def _add_option(parser: argparse.ArgumentParser, name: str, option: Option) -> N
     )
 
 
-def _setting(text: str) -> tuple[str, float]:
+def _setting(text: str) -> tuple[str, float | str | bool]:
     name, equals, value = text.partition('=')
+    if not (equals and value):
+        raise argparse.ArgumentTypeError(f'{text!r} is not NAME=VALUE')
     try:
-        if not equals:
-            raise ValueError
         return name, float(value)
     except ValueError:
-        raise argparse.ArgumentTypeError(f'{text!r} is not NAME=VALUE with a number') from None
+        return name, {'true': True, 'false': False}.get(value, value)
 
 
 if __name__ == '__main__':

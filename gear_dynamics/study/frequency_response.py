@@ -105,25 +105,25 @@ def _moments(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return moments of the motions over the first `whole` of RECORD cycles, and the end states.
 
-    (n, 6): mean and mean square of delta / b and of the mesh force; least and greatest delta / b.
+    (n, 6): mean and variance of delta / b and of the mesh force; least and greatest delta / b.
     """
     run = run_cycles(*unzip(operations), RECORD, states=states, samples_per_cycle=SAMPLES)
     rows = []
     for each, samples, cycles in zip(operations, run.samples, whole, strict=True):
         delta = samples['delta'][: cycles * SAMPLES] / each.pair.half_backlash
         force = samples['mesh_force'][: cycles * SAMPLES]
-        means = [values.mean() for values in (delta, delta**2, force, force**2)]
-        rows.append([*means, delta.min(), delta.max()])
+        moments = [f(values) for values in (delta, force) for f in (np.mean, np.var)]
+        rows.append([*moments, delta.min(), delta.max()])
     return np.array(rows), run.states
 
 
-def rms_of_parts(mean: np.ndarray, square: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def rms_of_parts(mean: np.ndarray, variance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the RMS about the mean and its standard error, from (n, PARTS) moments of parts."""
-    centre = mean.mean(axis=1, keepdims=True)
-    variance = square - 2 * mean * centre + centre**2
-    rms = np.sqrt(variance.mean(axis=1))
-    spread = variance.std(axis=1, ddof=1) / math.sqrt(PARTS)
-    return rms, spread / (2 * rms)
+    # About the mean of each part: mean squares minus squared means would cancel.
+    squares = variance + (mean - mean.mean(axis=1, keepdims=True)) ** 2
+    rms = np.sqrt(squares.mean(axis=1))
+    spread = squares.std(axis=1, ddof=1) / math.sqrt(PARTS)
+    return rms, spread / (2 * np.where(rms > 0, rms, 1.0))
 
 
 def response(
@@ -223,10 +223,10 @@ def _text(operation: Operation, arrays: dict[str, np.ndarray]) -> str:
             lines.append(
                 f'  first without a period up to {LONGEST_PERIOD} at w = {irregular[0]:.3f}'
             )
-    lost = contact_is_lost(arrays['least'], arrays['greatest'])
-    if lost.any():
-        first = arrays['w'][lost.any(axis=0).argmax()]
-        lines.append(f'contact is first lost at w = {first:.3f}')
+        lost = arrays['w'][contact_is_lost(arrays['least'][i], arrays['greatest'][i])]
+        # Along the sweep upwards the lowest is where contact is first lost, downwards the last.
+        place = f'{("first", "last")[i]} lost at w = {lost[0]:.3f}' if lost.size else 'never lost'
+        lines.append(f'  contact is {place}')
     lines.append(verdict(arrays['settled'], arrays['sum_error']))
     return '\n'.join(lines)
 

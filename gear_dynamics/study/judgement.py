@@ -29,7 +29,11 @@ def unzip(operations: Sequence[Operation]) -> tuple[list, np.ndarray, np.ndarray
 
 
 def judge(
-    operations: Sequence[Operation], states: np.ndarray, cycles: int, k: int = VARIED
+    operations: Sequence[Operation],
+    states: np.ndarray,
+    cycles: int,
+    k: int = VARIED,
+    section_phase: float = 0.5,
 ) -> Arrays:
     """Return kind and exponents of n motions.
 
@@ -45,6 +49,8 @@ def judge(
         In the first record; 64 or more.
     k : int
         Exponents.
+    section_phase : float
+        Mesh phase of the sections [cycles].
 
     Returns
     -------
@@ -56,7 +62,7 @@ def judge(
         divergence, over that; `states` and `vectors` at the end, (n, ...).
     """
     vectors = first_variations(len(operations), k)
-    judged = _judge_once(operations, states, vectors, cycles)
+    judged = _judge_once(operations, states, vectors, cycles, section_phase)
     open_ones = ~judged['settled'].all(axis=1) | (judged['kind'] == UNDECIDED)
     again = np.flatnonzero(open_ones).tolist()
     if again:
@@ -65,6 +71,7 @@ def judge(
             judged['states'][again],
             judged['vectors'][again],
             max(cycles, ENOUGH),
+            section_phase,
         )
         longer['sections'] = longer['sections'][:, -cycles:]
         longer['discarded'] += cycles
@@ -74,9 +81,15 @@ def judge(
 
 
 def _judge_once(
-    operations: Sequence[Operation], states: np.ndarray, vectors: np.ndarray, cycles: int
+    operations: Sequence[Operation],
+    states: np.ndarray,
+    vectors: np.ndarray,
+    cycles: int,
+    section_phase: float,
 ) -> Arrays:
-    run = run_cycles(*unzip(operations), cycles, states=states, vectors=vectors)
+    run = run_cycles(
+        *unzip(operations), cycles, states=states, vectors=vectors, section_phase=section_phase
+    )
     rows = []
     sections = [e.scaled(section) for e, section in zip(operations, run.sections, strict=True)]
     for each, section, growth in zip(operations, sections, run.growth, strict=True):

@@ -22,9 +22,6 @@ standard errors from zero too."""
 
 AGREE = 3.0
 
-SAME = 0.01
-"""Distance over half the backlash within which two periodic motions are one."""
-
 PERIOD, CHAOS, TORUS, UNDECIDED = 'period-', 'chaotic', 'quasi-periodic', 'undecided'
 
 
@@ -66,16 +63,6 @@ def kind_of(states: np.ndarray, exponent: float, standard_error: float) -> Kind:
     if k < REGULAR and abs(exponent) <= max(GROWS, AGREE * standard_error):
         return Kind(TORUS, 0, k)
     return Kind(UNDECIDED, 0, k)
-
-
-def same_orbit(first: np.ndarray, second: np.ndarray) -> bool:
-    """Return whether two periodic motions are one, wherever in its period each begins.
-
-    first, second : (period, 2) arrays
-        Points of the section, as in `kind_of`.
-    """
-    shifted = (np.roll(second, shift, axis=0) for shift in range(len(second)))
-    return any(float(np.abs(first - each).max()) <= SAME for each in shifted)
 
 
 def kind_shares(kinds: np.ndarray) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -63,33 +64,33 @@ class Operation(NamedTuple):
             return self.frequency_ratio
         if name in RUN_NAMES:
             return float(getattr(self, name))
-        self._check_name(name)
+        numbers = [a.name for a in self.pair.parameters() if isinstance(a.default, float)]
+        self._check_name(name, numbers)
         return float(getattr(self.pair, name))
 
-    def with_value(self, name: str, value: float) -> Operation:
+    def with_value(self, name: str, value: float | str | bool) -> Operation:
         """Return the same with another value of w, speed, load_torque or a pair's parameter.
 
-        Of w and speed the one that is given last holds.
+        Of w and speed the one that is given last holds. Numbers may come as text.
 
         Raises
         ------
         ParameterError
-            If there is no such number, or the value is out of its range.
+            If there is no such parameter, or the value is out of its range.
         """
         if name == FREQUENCY_RATIO:
-            return self._at_ratio(value)
+            return self._at_ratio(_number(name, value))
         changed: dict[str, Any] = {name: value}
         if name in RUN_NAMES:
             other = self._replace(**{name: getattr(_run_settings(changed), name)})
             return other._replace(asked_ratio=None) if name == 'speed' else other
-        self._check_name(name)
+        self._check_name(name, [about.name for about in self.pair.parameters()])
         other = self._replace(pair=dataclasses.replace(self.pair, **changed))
         return other if self.asked_ratio is None else other._at_ratio(self.asked_ratio)
 
-    def _check_name(self, name: str) -> None:
-        numbers = [a.name for a in self.pair.parameters() if isinstance(a.default, float)]
-        if name not in numbers:
-            known = ', '.join([FREQUENCY_RATIO, *RUN_NAMES, *numbers])
+    def _check_name(self, name: str, parameters: Sequence[str]) -> None:
+        if name not in parameters:
+            known = ', '.join([FREQUENCY_RATIO, *RUN_NAMES, *parameters])
             raise ParameterError(f'{name} cannot be varied; known are {known}')
 
     def _at_ratio(self, ratio: float) -> Operation:
@@ -106,21 +107,40 @@ class Operation(NamedTuple):
         return sections[..., :2] / [b, b * wn]
 
 
-def read_operation(path: str | Path) -> Operation:
-    """Return what a ROS parameter file for `gear_sim` describes.
+def read_operation(path: str | Path, **given: float) -> Operation:
+    """Return the pair, speed and load torque of a ROS parameter file for `gear_sim`.
+
+    Parameters
+    ----------
+    path : str or Path
+    **given : float
+        `speed` or `load_torque`, in place of what the file has. A file that `GearPair.to_yaml`
+        wrote has neither.
 
     Raises
     ------
     ParameterError
-        If the file is missing or has a value that is not allowed.
+        If the file is missing, has a value that is not allowed, or has no speed or load torque
+        and none is given.
     """
     pair = GearPair.from_yaml(path)
-    values = parameter_files.read_parameters(path)
+    values = parameter_files.read_parameters(path) | given
+    for name in RUN_NAMES:
+        if name not in values:
+            default = getattr(RunSettings(), name)
+            raise ParameterError(f'{path} has no {name}: give it, such as --set {name}={default:g}')
     try:
         run = _run_settings({name: values[name] for name in RUN_NAMES if name in values})
     except ParameterError as error:
         raise ParameterError(f'{path}: {error}') from None
     return Operation(pair, run.speed, run.load_torque)
+
+
+def _number(name: str, value: Any) -> float:
+    try:
+        return float(value)
+    except ValueError:
+        raise ParameterError(f'{name} is {value!r}: it must be a number') from None
 
 
 def _run_settings(values: dict[str, Any]) -> RunSettings:

@@ -7,8 +7,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from gear_dynamics.dynamics.attractors import SAME, same_orbit
 from gear_dynamics.parameters.parameter import ParameterError
-from gear_dynamics.study.chaos_onset import FINER, TRANSIENT, chaotic_ranges, onset_words, refine
+from gear_dynamics.study.chaos_edges import (
+    FINER,
+    SIDES,
+    TRANSIENT,
+    edges_text,
+    ranges_text,
+    refine,
+)
 from gear_dynamics.study.exponents import (
     EXPONENT_UNITS,
     convergence_table,
@@ -16,7 +24,7 @@ from gear_dynamics.study.exponents import (
     verdict,
 )
 from gear_dynamics.study.initial import scattered_states
-from gear_dynamics.study.kind import PERIOD, SAME, UNDECIDED, kind_shares, same_orbit
+from gear_dynamics.study.kind import PERIOD, UNDECIDED, kind_shares
 from gear_dynamics.study.lyapunov_table import FRICTION, with_frictions
 from gear_dynamics.study.operation import FREQUENCY_RATIO, Operation
 from gear_dynamics.study.outcome import Outcome
@@ -56,8 +64,9 @@ def bifurcation(
 ) -> Outcome:
     """Return the orbit diagrams and all exponents along a parameter, up and down.
 
-    Each motion is judged by `judgement.judge`. Where chaos first begins along the parameter, the
-    sweep is repeated on a finer grid with longer transients (`chaos_onset`).
+    Each motion is judged by `judgement.judge`. About the first begin and the first end of chaos
+    along the parameter, the sweep is repeated on a finer grid with longer transients
+    (`chaos_edges`).
 
     Parameters
     ----------
@@ -81,7 +90,7 @@ def bifurcation(
     -------
     Outcome
         Its further tables are the points of the diagram (`_section`), the means of all exponents
-        over the first cycles (`_convergence`), and the finer sweep (`_onset`) if there is one.
+        over the first cycles (`_convergence`), and the finer sweeps (`_edges`) if there are any.
 
     Raises
     ------
@@ -155,7 +164,7 @@ def _text(arrays: dict[str, np.ndarray]) -> str:
     step = values[1] - values[0]
     lines = [
         f'{parameter} from {values[0]:g} to {values[-1]:g}{unit}, {len(values)} values, '
-        f'{step:.2g} apart; at the onset of chaos {step / FINER:.2g} apart, after {TRANSIENT} '
+        f'{step:.2g} apart; at the edges of chaos {step / FINER:.2g} apart, after {TRANSIENT} '
         'cycles at each'
     ]
     for i, mu in enumerate(arrays['friction']):
@@ -169,22 +178,20 @@ def _text(arrays: dict[str, np.ndarray]) -> str:
         for direction in (UP, DOWN):
             lines += _paragraph(arrays, i, direction)
     lines += ['', verdict(arrays['settled'], arrays['sum_error'])]
-    if has_onset(arrays):
+    if has_edges(arrays):
         swept = np.isfinite(arrays['fine_values'])
         fine = verdict(arrays['fine_settled'][swept], arrays['fine_sum_error'][swept])
-        lines.append(f'At the onset of chaos: {fine}')
+        lines.append(f'At the edges of chaos: {fine}')
     return '\n'.join(lines)
 
 
 def _paragraph(arrays: dict[str, np.ndarray], i: int, direction: int) -> list[str]:
     """Return what one sweep of friction i showed."""
     kinds = arrays['kind'][i, direction]
-    ranges = [f'{a:.4g} to {b:.4g}' for a, b in chaotic_ranges(arrays['values'], kinds)]
-    does = ('begins at', 'lasts to')[direction]
-    fine, fine_kinds = arrays['fine_values'][i, direction], arrays['fine_kind'][i, direction]
+    fine = (arrays['fine_values'][i, direction], arrays['fine_kind'][i, direction])
     return [
-        f'  swept {("up", "down")[direction]}: {onset_words(fine, fine_kinds, does)}',
-        f'    chaos at {", ".join(ranges)}' if ranges else '    no range of chaos',
+        f'  swept {("up", "down")[direction]}: {edges_text(kinds, *fine)}',
+        f'    {ranges_text(arrays["values"], kinds)}',
         f'    {kind_shares(kinds)}',
     ]
 
@@ -216,12 +223,17 @@ def in_place(kinds: np.ndarray, sections: np.ndarray) -> np.ndarray:
 
 
 def _motions(arrays: dict[str, np.ndarray], values: np.ndarray) -> dict[str, np.ndarray]:
-    """Return the columns that tell motions apart; values, (frictions, 2, count), of the swept."""
+    """Return the columns that identify motions.
+
+    values : (frictions, 2, ..., count) array
+        Of the swept parameter.
+    """
     parameter = str(arrays['parameter'])
     columns = {f'{parameter} [{unit_of(parameter)}]': values}
+    further = (1,) * (values.ndim - 2)
     if parameter != FRICTION:
-        columns['friction_coefficient [1]'] = arrays['friction'][:, np.newaxis, np.newaxis]
-    columns['swept [-]'] = np.array(['up', 'down'])[:, np.newaxis]
+        columns['friction_coefficient [1]'] = arrays['friction'].reshape(-1, 1, *further)
+    columns['swept [-]'] = np.array(['up', 'down']).reshape(-1, *further)
     return {name: np.broadcast_to(each, values.shape).ravel() for name, each in columns.items()}
 
 
@@ -248,23 +260,25 @@ def _tables(arrays: dict[str, np.ndarray]) -> dict[str, dict[str, np.ndarray]]:
         },
         '_convergence': convergence_table(motions, arrays),
     }
-    if has_onset(arrays):
-        tables['_onset'] = _onset_table(arrays)
+    if has_edges(arrays):
+        tables['_edges'] = _edges_table(arrays)
     return tables
 
 
-def has_onset(arrays: dict[str, np.ndarray]) -> bool:
-    """Return whether any sweep has an onset of chaos, and so a finer sweep about it."""
+def has_edges(arrays: dict[str, np.ndarray]) -> bool:
+    """Return whether any sweep has an edge of chaos, and so a finer sweep about it."""
     return bool(np.isfinite(arrays['fine_values']).any())
 
 
-def _onset_table(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    swept = np.isfinite(arrays['fine_values']).ravel()
+def _edges_table(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    values = arrays['fine_values']
+    swept = np.isfinite(values).ravel()
     measured = {
+        'edge [-]': np.broadcast_to(np.array(SIDES)[:, np.newaxis], values.shape),
         'kind [-]': arrays['fine_kind'],
         'settled [1]': arrays['fine_settled'].all(axis=-1).astype(int),
         'sum_error [1]': arrays['fine_sum_error'],
         **exponent_columns(arrays['fine_exponents'], arrays['fine_standard_errors']),
     }
-    columns = _motions(arrays, arrays['fine_values']) | measured
+    columns = _motions(arrays, values) | measured
     return {name: each.ravel()[swept] for name, each in columns.items()}

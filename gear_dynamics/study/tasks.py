@@ -65,6 +65,9 @@ class Runner:
         if label and self._bar is None:
             with self.progress(len(arguments), label):
                 return self.run(task, arguments)
+        if self._bar is not None:
+            # Some tasks follow from the results of others, and are not counted before.
+            self._bar.total = max(self._bar.total, self._bar.n + len(arguments))
         results = [self._kept(task, each) for each in arguments]
         missing = [i for i, result in enumerate(results) if result is None]
         self._skip(len(arguments) - len(missing))

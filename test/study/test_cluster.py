@@ -14,6 +14,7 @@ import pytest
 from gear_dynamics import study
 from gear_dynamics.study import cluster as clusters
 from gear_dynamics.study import parts
+from gear_dynamics.study.basin_map import SCOUTS
 from gear_dynamics.study.cluster import Cluster, ClusterError
 from gear_dynamics.study.command import main
 from gear_dynamics.study.tasks import Runner
@@ -80,7 +81,8 @@ def test_a_worker_killed_in_the_middle_leaves_every_bit_as_it_was(address, tmp_p
     there = study.basins(CHAOS, **size, runner=runner)
     killer.join()
     runner.close()
-    assert runner.computed == 8
+    # The coarse picture, the one attractor that is judged, and the picture.
+    assert runner.computed == SCOUTS + 1 + 8
     with pytest.raises(ProcessLookupError):
         os.kill(killed[0], 0)
     here = study.basins(CHAOS, **size)

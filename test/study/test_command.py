@@ -13,12 +13,17 @@ import numpy as np
 import pytest
 
 from gear_dynamics import study
+from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.study.basin_map import SCOUTS
 from gear_dynamics.study.catalogue import STUDIES
 from gear_dynamics.study.command import main
 from gear_dynamics.study.warm_up import warm_up
 
 ROWS = 24
 COMMAND = ['basins', '--size', str(ROWS), '--transient', '400', '--quiet']
+TASKS = SCOUTS + 1 + ROWS
+"""Rows of the coarse picture, one attractor that is judged, and rows of the picture."""
+
 STOPPED = 'study: stopped; the same command goes on from what is finished'
 
 
@@ -63,20 +68,20 @@ def test_a_stopped_study_goes_on_and_loses_nothing(whole, tmp_path):
         if code == 130:
             assert last_line(errors) == STOPPED
     kept = finished(tmp_path)
-    assert 9 <= kept < ROWS
+    assert 9 <= kept < TASKS
     # What carried the lock of the killed one.
     assert (tmp_path / '.basins_lock').exists()
     with start(tmp_path) as process:
         output, errors = process.communicate()
     assert process.returncode == 0, errors
-    assert f'\n{kept} of {ROWS} tasks had been finished before.\n' in output
+    assert f'\n{kept} of {TASKS} tasks had been finished before.\n' in output
     assert output.startswith(whole.text)
     with np.load(tmp_path / 'basins.npz') as stored:
         for name, array in whole.arrays.items():
             assert np.array_equal(stored[name], array), name
     names = sorted(path.name for path in tmp_path.iterdir())
-    files = ['basins.csv', 'basins.npz', 'basins.png', 'basins.txt', 'basins_convergence.csv']
-    assert names == files
+    tables = ['basins_attractors.csv', 'basins_convergence.csv', 'basins_points.csv']
+    assert names == ['basins.csv', 'basins.npz', 'basins.png', 'basins.txt', *tables]
 
 
 def test_a_second_study_in_the_folder_is_refused_and_the_first_goes_on(whole, tmp_path):
@@ -102,7 +107,7 @@ def test_a_second_study_in_the_folder_is_refused_and_the_first_goes_on(whole, tm
 
 def test_a_full_disk_leaves_no_half_of_a_result_and_loses_nothing(whole, tmp_path):
     def small_files():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (40_000, 40_000))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (25_000, 25_000))
 
     with start(tmp_path, preexec_fn=small_files) as process:
         errors = process.communicate()[1]
@@ -114,7 +119,7 @@ def test_a_full_disk_leaves_no_half_of_a_result_and_loses_nothing(whole, tmp_pat
     with start(tmp_path) as process:
         output = process.communicate()[0]
     assert process.returncode == 0
-    assert f'\n{ROWS} of {ROWS} tasks had been finished before.\n' in output
+    assert f'\n{TASKS} of {TASKS} tasks had been finished before.\n' in output
 
 
 def test_first_compilation_is_announced_and_ends_at_a_signal(tmp_path):
@@ -223,10 +228,47 @@ def test_help_gives_the_defaults_of_the_functions():
 )
 def test_wrong_input_is_refused_in_one_line(tmp_path, capsys, arguments, words):
     file = tmp_path / 'standing.yaml'
-    file.write_text('/**: {ros__parameters: {speed: 0.0}}')
+    file.write_text('/**: {ros__parameters: {speed: 0.0, load_torque: 150.0}}')
     output = [] if '--output' in arguments else ['--output', str(tmp_path)]
     assert main([*arguments.format(file).split(), *output]) == 2
     (error,) = capsys.readouterr().err.splitlines()
     assert error.startswith('study: ')
     assert words in error
     assert [path.name for path in tmp_path.iterdir()] == ['standing.yaml']
+
+
+def operation_of(tmp_path, monkeypatch, arguments):
+    """Return what `study basins` is asked to study, given a file that `to_yaml` wrote."""
+    asked = []
+
+    def basins(operation, **options):
+        asked.append(operation)
+        raise ValueError('enough')
+
+    monkeypatch.setattr(study, 'basins', basins, raising=False)
+    path = tmp_path / 'pair.yaml'
+    GearPair(friction_coefficient=0.01).to_yaml(path)
+    command = ['basins', '--params', str(path), '--output', str(tmp_path / 'out')]
+    assert main([*command, *arguments.split()]) == 2
+    return asked[0] if asked else None
+
+
+def test_parameter_file_without_speed_and_torque_wants_them(tmp_path, monkeypatch, capsys):
+    """One that `to_yaml` wrote has neither: the defaults must not be taken in silence."""
+    assert operation_of(tmp_path, monkeypatch, '') is None
+    assert 'pair.yaml has no speed: give it, such as --set speed=104.72' in capsys.readouterr().err
+    assert operation_of(tmp_path, monkeypatch, '--set speed=120') is None
+    assert 'has no load_torque: give it, such as --set load_torque=150' in capsys.readouterr().err
+    given = operation_of(tmp_path, monkeypatch, '--set speed=120 --set load_torque=70.5')
+    assert (given.speed, given.load_torque) == (120.0, 70.5)
+    assert given.pair.friction_coefficient == 0.01
+    given = operation_of(tmp_path, monkeypatch, '--set w=0.5 --set load_torque=70.5')
+    assert given.frequency_ratio == pytest.approx(0.5)
+
+
+def test_any_parameter_of_the_pair_can_be_set(tmp_path, monkeypatch):
+    arguments = '--set speed=120 --set load_torque=70 --set mesh_stiffness=constant'
+    further = ' --set damping_in_gap=true --set pinion_teeth=33 --set half_backlash=1e-4'
+    pair = operation_of(tmp_path, monkeypatch, arguments + further).pair
+    assert (pair.mesh_stiffness, pair.damping_in_gap) == ('constant', True)
+    assert (pair.pinion_teeth, pair.half_backlash) == (33, 1e-4)

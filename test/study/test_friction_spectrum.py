@@ -14,8 +14,10 @@ from gear_dynamics.study.friction_spectrum import (
 
 
 def test_a_spectrum_without_friction_is_led_by_nothing():
-    text = study.spectrum(study.default_operation(), (0.03, 0.0), phases=0).text
-    assert 'led by' not in text
+    """x moves by friction alone."""
+    leads = "leads the pinion's x acceleration"
+    assert leads not in study.spectrum(study.default_operation(), (0.03, 0.0), phases=0).text
+    assert leads in study.spectrum(study.default_operation(), (0.0, 0.03), phases=0).text
 
 
 def test_accelerations_of_a_periodic_motion_are_displacements_times_the_square_of_the_frequency():

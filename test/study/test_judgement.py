@@ -67,7 +67,7 @@ def test_open_motions_go_on_from_their_ends_and_are_judged_from_there_alone(monk
         angle = golden * t if motion == 2 else np.zeros(t.shape)
         return np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
-    def run(pairs, speeds, torques, cycles, states, vectors):
+    def run(pairs, speeds, torques, cycles, states, vectors, section_phase):
         """States are the cycles done and the motion."""
         motions = [(int(motion), done + np.arange(cycles)) for done, motion in states]
         growth = np.array([rates[motion](t) for motion, t in motions])

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from dynamics.systems import logistic
 
-from gear_dynamics.study.kind import SAME, kind_of, same_orbit
+from gear_dynamics.study.kind import kind_of
 
 
 def pairs(series):
@@ -51,11 +51,3 @@ def test_states_that_recur_are_no_period_where_nearby_motions_part():
     orbit = pairs(logistic(21200, 3.5)[20000:])
     assert kind_of(orbit[:200], 0.05, 0.001).words == 'chaotic'
     assert kind_of(orbit, 0.05, 0.001).words == 'undecided'
-
-
-def test_orbits_are_one_wherever_they_begin():
-    """The period-3 orbit of the logistic map, and the same points in the other direction."""
-    orbit = pairs(logistic(20200, 3.83)[20000:])[:3]
-    assert same_orbit(orbit, orbit[[1, 2, 0]] + SAME / 2)
-    assert not same_orbit(orbit, orbit[[1, 0, 2]])
-    assert not same_orbit(orbit, orbit + 2 * SAME)

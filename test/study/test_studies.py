@@ -8,7 +8,8 @@ from ros_support import ROOT
 from study.convergence import assert_table_ends_at_the_exponents
 
 from gear_dynamics import study
-from gear_dynamics.study.basin_map import attractors
+from gear_dynamics.dynamics.attractors import same_orbit
+from gear_dynamics.dynamics.cycles import run_cycles
 from gear_dynamics.study.command import main
 from gear_dynamics.study.exponents import exponents
 from gear_dynamics.study.figures.style import save_figure
@@ -111,27 +112,29 @@ def test_every_motion_of_a_sweep_has_all_exponents_and_a_verdict():
         assert np.sort(apart, axis=-1)[..., :2].max() < 5e-4 + errors
 
 
-def test_basins_shares_sum_to_one():
-    outcome = study.basins(CHAOS.with_value('w', 1.0), size=6, transient=300)
-    names = list(outcome.arrays['names'])
-    assert outcome.arrays['share'].sum() == pytest.approx(1)
-    assert any(name.startswith('period-1 ') for name in names)
-    assert any(name.startswith('period-3 ') for name in names)
-    # All ten exponents of each motion keep the sum rule, and show how they converged.
-    assert outcome.arrays['exponents'].shape == outcome.arrays['settled'].shape == (6, 6, 10)
-    assert np.abs(outcome.arrays['sum_error']).max() < 1e-6
-    assert_table_ends_at_the_exponents(outcome)
-
-
-def test_attractors_are_told_apart_by_kind_and_place():
-    kinds = np.array(
-        ['period-1', 'period-1', 'chaotic', 'period-3', 'period-1', 'chaotic', 'quasi-periodic']
-    )
-    means = np.array([[1, 0], [1.001, 0], [0, 0], [1, 0], [0.5, 0], [0.7, 0.2], [0.7, 0.2]])
-    labels, names = attractors(kinds, means)
-    assert list(labels) == [0, 0, 1, 2, 3, 1, 4]
-    assert names == ['period-1 about 1.000 b', 'chaotic', 'period-3 about 1.000 b',
-                     'period-1 about 0.500 b', 'quasi-periodic']  # fmt: skip
+def test_basins_judge_each_attractor_once():
+    """Period-3 and period-1 motions live side by side at w = 1. Every state is labelled as its own
+    long motion says."""
+    operation = CHAOS.with_value('w', 1.0)
+    outcome = study.basins(operation, size=6, transient=300)
+    arrays, table = outcome.arrays, outcome.further['_attractors']
+    assert {'period-1', 'period-3'} <= set(arrays['kind'])
+    assert arrays['share'].sum() == pytest.approx(1)
+    assert np.all(np.diff(arrays['share']) <= 0)
+    count = len(arrays['names'])
+    assert arrays['exponents'].shape == arrays['settled'].shape == (count, 10)
+    assert np.abs(arrays['sum_error']).max() < 1e-6
+    assert arrays['settled'].all()
+    assert list(table['period [cycles]']) == [int(kind.split('-')[1]) for kind in arrays['kind']]
+    assert list(outcome.table) == ['delta [b]', 'delta_dot [b wn]', 'attractor [1]']
+    assert_table_ends_at_the_exponents(outcome, table)
+    states = states_at(operation, *(outcome.table[n] for n in list(outcome.table)[:2]))
+    run = run_cycles([operation.pair] * 36, operation.speed, operation.load_torque, 600,
+                     states=states, section_phase=0.0)  # fmt: skip
+    sections = operation.scaled(run.sections)
+    for label, section in zip(arrays['label'].ravel(), sections, strict=True):
+        orbit = arrays['points'][arrays['points_of'] == label]
+        assert same_orbit(section[-len(orbit):], orbit)  # fmt: skip
 
 
 def test_basins_name_chaos():
@@ -285,12 +288,13 @@ def test_command_writes_data_with_units_figure_and_text(tmp_path, capsys):
     assert main([*arguments, '--output', str(tmp_path)]) == 0
     assert 'period-' in capsys.readouterr().out
     names = sorted(path.name for path in tmp_path.iterdir())
-    files = ['basins.csv', 'basins.npz', 'basins.png', 'basins.txt', 'basins_convergence.csv']
+    tables = ['basins_attractors.csv', 'basins_convergence.csv', 'basins_points.csv']
+    files = ['basins.csv', 'basins.npz', 'basins.png', 'basins.txt', *tables]
     assert names == files
     assert (tmp_path / 'basins.png').read_bytes().startswith(b'\x89PNG')
     with (tmp_path / 'basins.csv').open() as file:
         rows = list(csv.DictReader(file))
-    assert list(rows[0])[:3] == ['delta [b]', 'delta_dot [b wn]', 'attractor [-]']
+    assert list(rows[0])[:3] == ['delta [b]', 'delta_dot [b wn]', 'attractor [1]']
     assert len(rows) == 16
     with np.load(tmp_path / 'basins.npz') as stored:
         assert stored['label'].shape == (4, 4)
@@ -302,6 +306,9 @@ def test_command_writes_data_with_units_figure_and_text(tmp_path, capsys):
         (['--set', 'teeth=3'], 'teeth cannot be varied; known are w, speed'),
         (['--params', 'missing.yaml'], 'missing.yaml'),
         (['--set', 'half_backlash=-1'], 'half_backlash'),
+        (['--set', 'mesh_stiffness=round'], "mesh_stiffness is 'round': it must be 'rectangular'"),
+        (['--set', 'pinion_teeth=20.5'], 'pinion_teeth is 20.5: it must be an integer'),
+        (['--set', 'w=fast'], "w is 'fast': it must be a number"),
     ],
 )
 def test_command_refuses_in_one_line(tmp_path, capsys, arguments, words):

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gear_dynamics.figure_style import COLOURS
-from gear_dynamics.study.chaos_onset import onset
+from gear_dynamics.study.chaos_edges import SIDES, edge_in
 from gear_dynamics.study.figures.style import (
     Arrays,
     band_handle,
@@ -63,11 +63,12 @@ def _exponents(axes: Axes, arrays: Arrays, i: int) -> None:
         exponent = arrays['exponents'][i, direction, :, 0]
         draw_band(axes, values, exponent, arrays['standard_errors'][i, direction, :, 0], colour)
         axes.plot(values, exponent, color=colour, linewidth=0.8)
-        fine = arrays['fine_values'][i, direction]
-        place = onset(fine, arrays['fine_kind'][i, direction])
-        if np.isfinite(place):
-            label = f'onset of chaos, {WORDS[direction]}: {place:.{_decimals(fine)}f}'
-            axes.axvline(place, color=colour, linewidth=0.8, linestyle=':', label=label)
+        for side, word in enumerate(SIDES):
+            fine = arrays['fine_values'][i, direction, side]
+            place = edge_in(fine, arrays['fine_kind'][i, direction, side], side)
+            if np.isfinite(place):
+                label = f'chaos {word}s, {WORDS[direction]}: {place:.{_decimals(fine)}f}'
+                axes.axvline(place, color=colour, linewidth=0.8, linestyle=':', label=label)
     axes.legend(handles=[*axes.get_legend_handles_labels()[0], band_handle()], loc='upper left')
     zero_line(axes)
 
