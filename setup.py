@@ -42,7 +42,7 @@ setup(
         'numpy>=1.26',
         'scipy>=1.11',
         'numba>=0.58',
-        'mcap',
+        'mcap>=1.2',
         'rosbags',
         'PyYAML',
         'matplotlib',

@@ -29,8 +29,8 @@ _INDEX = struct.Struct('<BQHI')
 class ChunkBuilder:
     """Gathers records and makes them into a chunk record with its message indexes.
 
-    The mcap package's own writer copies every message several times, and cannot go on after a
-    chunk that the disk refused.
+    The mcap package's own writer compresses at the default level of zstd and takes twice as long;
+    and a chunk that the disk refused stays in its index.
 
     Parameters
     ----------
@@ -60,11 +60,15 @@ class ChunkBuilder:
         record.write(builder)
         self._append(builder.end())
 
-    def add_message(self, channel: int, log_time: int, publish_time: int, data: bytes) -> None:
+    def add_message(
+        self, channel: int, sequence: int, log_time: int, publish_time: int, data: bytes
+    ) -> None:
         """Append a message; times in ns."""
         self._indexes.setdefault(channel, []).append((log_time, self.size))
         length = _MESSAGE.size - 9 + len(data)
-        self._append(_MESSAGE.pack(Opcode.MESSAGE, length, channel, 0, log_time, publish_time))
+        self._append(
+            _MESSAGE.pack(Opcode.MESSAGE, length, channel, sequence, log_time, publish_time)
+        )
         self._append(data)
 
     def _append(self, part: bytes) -> None:

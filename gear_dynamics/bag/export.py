@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import contextlib
 import csv
+import re
 import tempfile
+import warnings
 import zipfile
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from gear_dynamics.bag.log import Log, LogPath
-from gear_dynamics.bag.reader import iter_rows
+from gear_dynamics.bag.log import Log, LogPath, LogWarning, printable
+from gear_dynamics.bag.reader import common_type, iter_rows
 from gear_dynamics.bag.source import LogError
 
 FORMATS = ('npz', 'csv')
@@ -56,20 +58,36 @@ def export(
         If the files cannot be written.
     """
     write = {'npz': _write_npz, 'csv': _write_csv}[file_format]
-    files = []
+    files: list[Path] = []
     with Log(path) as log:
         names = [log.resolve(topic) for topic in topics] if topics else sorted(log.topics())
         folder.mkdir(parents=True, exist_ok=True)
         for name in names:
-            progress(name)
-            dtype, count = _shape(log, name)
+            progress(printable(name))
+            try:
+                dtype, count = _shape(log, name)
+            except LogError as error:
+                if topics:
+                    raise
+                warnings.warn(str(error), LogWarning, stacklevel=2)
+                continue
             if count:
-                file = folder / f'{name.strip("/").replace("/", "_")}.{file_format}'
+                file = _file_of(name, folder, file_format, files)
                 write(file, _same_type(log, name, dtype), dtype, count)
                 files.append(file)
     if not files:
         raise LogError('the log has nothing that could be exported')
     return files
+
+
+def _file_of(topic: str, folder: Path, file_format: str, taken: Sequence[Path]) -> Path:
+    """Return the file for a topic: its name, as far as every file system can bear it."""
+    name = re.sub(r'[^A-Za-z0-9_.-]', '_', topic.strip('/'))[:100].lstrip('.') or 'topic'
+    file, number = folder / f'{name}.{file_format}', 1
+    while file in taken:
+        number += 1
+        file = folder / f'{name}_{number}.{file_format}'
+    return file
 
 
 def _shape(log: Log, topic: str) -> tuple[np.dtype, int]:
@@ -79,12 +97,7 @@ def _shape(log: Log, topic: str) -> tuple[np.dtype, int]:
         if dtype is None:
             dtype = rows.dtype
         elif rows.dtype != dtype:
-            try:
-                dtype = np.promote_types(dtype, rows.dtype)
-            except TypeError:
-                raise LogError(
-                    f'the columns of {topic} change within the log: export its files one by one'
-                ) from None
+            dtype = common_type(dtype, rows.dtype, count + len(rows), topic)
         count += len(rows)
     return (np.dtype([]) if dtype is None else dtype), count
 

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from gear_dynamics.bag.log import SAMPLES_TOPIC, Log, LogPath
-from gear_dynamics.bag.source import Damage, LogChannel, McapSource, ReadMessage
+from gear_dynamics.bag.log import Log, LogPath, is_samples
+from gear_dynamics.bag.source import ChannelCount, Damage, LogChannel, McapSource, ReadMessage
 from gear_dynamics.machine.configuration import Rig
 from gear_dynamics.wire.tables import Table, TableError, decode_table
 
@@ -34,7 +34,7 @@ class TopicInfo:
     messages : int
         Messages in all files.
     rate : float or None
-        Messages a second over the whole log; None for fewer than two.
+        Messages a second from the first to the last of the topic; None if it is not known.
     gaps : tuple of Gap
         Of samples: where the end of a block and the next stamp do not meet.
     """
@@ -58,7 +58,9 @@ class LogInfo:
     size : int
         Bytes.
     whole : bool
-        Whether every file ends with a sound index.
+        Whether every file has its end and nothing was found that could have cost messages.
+    checked : bool
+        Whether all messages were looked at; otherwise the indexes were believed.
     start, end : int
         Log time of the first and of the last message [ns]; 0 if there is none.
     topics : tuple of TopicInfo
@@ -66,12 +68,13 @@ class LogInfo:
     configurations : tuple of dict
         What the writer noted of the run, with `log_time` [ns]; a further one for each change.
     damage : tuple of Damage
-        What was found; chunks of a whole file are looked at only when they are read.
+        What was found.
     """
 
     files: tuple[Path, ...]
     size: int
     whole: bool
+    checked: bool
     start: int
     end: int
     topics: tuple[TopicInfo, ...]
@@ -89,13 +92,16 @@ class LogInfo:
         return (self.end - self.start) * 1e-9
 
 
-def log_info(path: LogPath) -> LogInfo:
-    """Tell what a log holds: from the index where there is one, from all its bytes otherwise.
+def log_info(path: LogPath, check: bool = True) -> LogInfo:
+    """Tell what a log holds.
 
     Parameters
     ----------
     path : path, or sequence of paths
         Bag folders and MCAP files.
+    check : bool
+        Whether to read all messages. Without, files with an index are not read: damage within
+        them is not noticed and rates of topics are not known.
 
     Raises
     ------
@@ -104,58 +110,51 @@ def log_info(path: LogPath) -> LogInfo:
     """
     damage: list[Damage] = []
     with Log(path, damage.append) as log:
-        counts, start, end = _count(log)
+        contents = log.contents(check)
+        checked = check or not log.indexed
+        if check:
+            _compare(log)
         configurations = [c for source in log.sources for c in source.configurations()]
         rates = _sample_rates(configurations)
-        seconds = (end - start) * 1e-9
+        times = [t for c in contents.values() if c.messages for t in (c.start, c.end)]
+        start = min(times, default=0)
         topics = [
             TopicInfo(
                 name=channel.topic,
                 type_name=channel.type_name,
                 qos=channel.qos,
-                messages=count,
-                rate=(count - 1) / seconds if count > 1 and seconds > 0 else None,
-                gaps=_gaps(log, channel, count, start, rates),
+                messages=count.messages,
+                rate=_rate(count) if checked else None,
+                gaps=_gaps(log, channel, count.messages, start, rates),
             )
-            for channel, count in sorted(counts.items(), key=lambda item: item[0].topic)
+            for channel, count in sorted(contents.items(), key=lambda item: item[0].topic)
         ]
         return LogInfo(
             files=tuple(source.path for source in log.sources),
             size=sum(source.size for source in log.sources),
-            whole=log.indexed,
+            whole=all(s.complete for s in log.sources) and not any(d.loss for d in damage),
+            checked=checked,
             start=start,
-            end=end,
+            end=max(times, default=0),
             topics=tuple(topics),
             configurations=tuple(_changes(configurations)),
             damage=tuple(damage),
         )
 
 
-def _count(log: Log) -> tuple[dict[LogChannel, int], int, int]:
-    """Return the number of messages of each channel, and the first and last log time."""
-    counts: dict[LogChannel, int] = {}
-    times: list[int] = []
+def _rate(count: ChannelCount) -> float | None:
+    seconds = (count.end - count.start) * 1e-9
+    return (count.messages - 1) / seconds if count.messages > 1 and seconds > 0 else None
+
+
+def _compare(log: Log) -> None:
+    """Report files whose index tells of other messages than there are."""
     for source in log.sources:
-        for channel, count, first, last in _count_file(source):
-            counts[channel] = counts.get(channel, 0) + count
-            times += [first, last] if count else []
-    return counts, min(times, default=0), max(times, default=0)
-
-
-def _count_file(source: McapSource) -> Iterator[tuple[LogChannel, int, int, int]]:
-    statistics = source.summary.statistics if source.summary else None
-    if statistics is not None:
-        for number, channel in source.channels.items():
-            count = statistics.channel_message_counts.get(number, 0)
-            yield channel, count, statistics.message_start_time, statistics.message_end_time
-        return
-    found: dict[LogChannel, list[int]] = {}
-    for message in source.messages():
-        seen = found.setdefault(message.channel, [0, message.log_time, message.log_time])
-        seen[0] += 1
-        seen[1:] = min(seen[1], message.log_time), max(seen[2], message.log_time)
-    for channel, (count, first, last) in found.items():
-        yield channel, count, first, last
+        about = source.index.statistics if source.index is not None else None
+        found = sum(count.messages for count in source.contents().values())
+        if source.index is not None and about is not None and about.message_count != found:
+            reason = f'the index tells of {about.message_count} messages, {found} can be read'
+            log.damaged(Damage(source.path, source.index.start, reason))
 
 
 def _changes(configurations: list[dict[str, str]]) -> Iterator[dict[str, str]]:
@@ -181,7 +180,7 @@ def _gaps(
     log: Log, channel: LogChannel, count: int, start: int, rates: set[float]
 ) -> tuple[Gap, ...]:
     """Return the gaps of a stream of samples; read through only if its ends do not fit."""
-    if not channel.topic.endswith('/' + SAMPLES_TOPIC) or count < 2:
+    if not is_samples(channel.topic) or count < 2:
         return ()
     first = _table(next(log.messages([channel.topic]), None))
     period = _period(first, rates)
@@ -215,8 +214,9 @@ def _period(table: Table | None, rates: set[float]) -> float | None:
     if table is None or 't' not in (table.rows.dtype.names or ()) or len(table.rows) < 2:
         return None
     t = table.rows['t'].astype(np.float64)
-    period = float(t[-1] - t[0]) / (len(t) - 1)
-    steady = period > 0 and bool(np.all(abs(np.diff(t) - period) < 0.01 * period))
+    with np.errstate(all='ignore'):
+        period = float(t[-1] - t[0]) / (len(t) - 1)
+        steady = period > 0 and bool(np.all(abs(np.diff(t) - period) < 0.01 * period))
     if not steady:
         return None
     return next((1 / rate for rate in rates if abs(period * rate - 1) < 1e-5), period)
@@ -236,11 +236,11 @@ def _last(log: Log, topic: str) -> tuple[McapSource, ReadMessage] | None:
     starts = []
     for source in log.sources:
         numbers = {n for n, channel in source.channels.items() if channel.topic == topic}
-        if source.summary is not None:
+        if source.index is not None:
             starts += [
-                index.message_start_time
-                for index in source.summary.chunk_indexes
-                if numbers.intersection(index.message_index_offsets)
+                chunk.message_start_time
+                for chunk in source.index.chunks.values()
+                if numbers.intersection(chunk.message_index_offsets)
             ]
     last = None
     for item in log.messages([topic], start=max(starts) if starts and log.indexed else None):

@@ -17,7 +17,6 @@ from mcap.writer import MCAP0_MAGIC
 from gear_dynamics.bag.chunk_builder import ChunkBuilder
 from gear_dynamics.bag.mcap_index import McapIndex
 from gear_dynamics.bag.metadata import FileSummary, Topic, bag_information
-from gear_dynamics.wire.messages import message_type
 
 CHUNK_SIZE = 1 << 20
 """Bytes of messages, before compression, after which a chunk is closed."""
@@ -39,6 +38,8 @@ class McapFile:
         A file that does not exist yet.
     compression : str
         'none', 'lz4' or 'zstd', applied per chunk.
+    profile : str
+        Of the file; 'ros2' for what ROS 2 is to play.
 
     Raises
     ------
@@ -46,7 +47,7 @@ class McapFile:
         If the file cannot be made; so do all methods if it cannot be written.
     """
 
-    def __init__(self, path: Path, compression: str) -> None:
+    def __init__(self, path: Path, compression: str, profile: str = 'ros2') -> None:
         self.path = path
         flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC
         self._file = os.open(path, flags, 0o644)
@@ -59,9 +60,10 @@ class McapFile:
         self._synced = 0
         self._sync_start = 0.0
         self._channels: dict[Topic, Channel] = {}
+        self._started = False
         self._start = self._end = 0
         builder = RecordBuilder()
-        Header('ros2', 'gear_dynamics').write(builder)
+        Header(profile, 'gear_dynamics').write(builder)
         try:
             self._write(MCAP0_MAGIC + builder.end())
         except OSError:
@@ -84,28 +86,36 @@ class McapFile:
         """Whether the file is no longer in its folder."""
         return os.fstat(self._file).st_nlink == 0
 
-    def write(self, topic: Topic, data: bytes, log_time: int, publish_time: int) -> None:
+    def write(
+        self, topic: Topic, data: bytes, log_time: int, publish_time: int, sequence: int = 0
+    ) -> None:
         """Append a message; times in ns."""
         if topic not in self._channels:
             self._register(topic)
-        if not self._end:
-            self._start = log_time
+        if not self._started:
+            self._started, self._start = True, log_time
         self._start, self._end = min(self._start, log_time), max(self._end, log_time)
-        self._chunk.add_message(self._channels[topic].id, log_time, publish_time, data)
+        channel = self._channels[topic].id
+        self._chunk.add_message(channel, sequence, log_time, publish_time, data)
         if self._chunk.size > CHUNK_SIZE:
             self._commit()
 
     def _register(self, topic: Topic) -> None:
         """Tell of the topic, and of its type if that is new, in the chunk that has its messages."""
-        kind = message_type(topic.type_name)
-        schema = self._index.schemas.get(kind.name)
-        if schema is None:
+        key = (topic.type_name, topic.schema_encoding, topic.schema)
+        schema = self._index.schemas.get(key)
+        if schema is None and any(key):
             number = len(self._index.schemas) + 1
-            schema = Schema(number, kind.definition.encode(), 'ros2msg', kind.name)
-            self._index.schemas[kind.name] = schema
+            schema = Schema(number, topic.schema, topic.schema_encoding, topic.type_name)
+            self._index.schemas[key] = schema
             self._chunk.add_record(schema)
-        metadata = {'offered_qos_profiles': topic.qos.text(), 'topic_type_hash': kind.hash}
-        channel = Channel(len(self._channels) + 1, topic.name, 'cdr', metadata, schema.id)
+        channel = Channel(
+            id=len(self._channels) + 1,
+            topic=topic.name,
+            message_encoding=topic.encoding,
+            metadata=topic.metadata,
+            schema_id=schema.id if schema else 0,
+        )
         self._channels[topic] = channel
         self._index.channels.append(channel)
         self._chunk.add_record(channel)

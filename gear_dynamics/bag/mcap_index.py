@@ -26,8 +26,8 @@ class McapIndex:
 
     Attributes
     ----------
-    schemas : dict of str to Schema
-        By name.
+    schemas : dict of (str, str, bytes) to Schema
+        By name, encoding and definition.
     channels : list of Channel
     metadata : list of MetadataIndex
     counts : dict of int to int
@@ -37,7 +37,7 @@ class McapIndex:
     """
 
     def __init__(self) -> None:
-        self.schemas: dict[str, Schema] = {}
+        self.schemas: dict[tuple[str, str, bytes], Schema] = {}
         self.channels: list[Channel] = []
         self.metadata: list[MetadataIndex] = []
         self.counts: dict[int, int] = {}

@@ -60,14 +60,50 @@ class OfferedQos:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Topic:
-    """A logged topic: absolute name, message type, and how it was published.
+    """A logged topic: what a channel of an MCAP file and metadata.yaml say of it.
 
     One object a topic: it is the key under which messages are counted, by identity for speed.
+
+    Attributes
+    ----------
+    name, type_name : str
+        Topic and message type; the type is empty where there is no schema.
+    encoding : str
+        Of the messages.
+    schema_encoding, schema : str, bytes
+        Definition of the type.
+    metadata : dict of str to str
+        Of the channel: `offered_qos_profiles` and `topic_type_hash`.
+    profiles : list of dict
+        The offered QoS profiles, policies as words.
     """
 
     name: str
     type_name: str
-    qos: OfferedQos
+    encoding: str
+    schema_encoding: str
+    schema: bytes
+    metadata: dict[str, str]
+    profiles: list[dict[str, Any]]
+
+    @property
+    def latched(self) -> bool:
+        """Whether its last message counts for those who come later."""
+        return any(p['durability'] == 'transient_local' for p in self.profiles)
+
+
+def published_topic(name: str, type_name: str, qos: OfferedQos) -> Topic:
+    """Return a topic of a Jazzy type, by absolute name, and by how it is published.
+
+    Raises
+    ------
+    MessageError
+        If Jazzy has no such type.
+    """
+    kind = message_type(type_name)
+    metadata = {'offered_qos_profiles': qos.text(), 'topic_type_hash': kind.hash}
+    definition = kind.definition.encode()
+    return Topic(name, type_name, 'cdr', 'ros2msg', definition, metadata, [qos.profile()])
 
 
 @dataclasses.dataclass(frozen=True)
@@ -139,9 +175,9 @@ def _topic_metadata(topic: Topic) -> dict[str, Any]:
     return {
         'name': topic.name,
         'type': topic.type_name,
-        'serialization_format': 'cdr',
-        'offered_qos_profiles': [topic.qos.profile()],
-        'type_description_hash': message_type(topic.type_name).hash,
+        'serialization_format': topic.encoding,
+        'offered_qos_profiles': topic.profiles,
+        'type_description_hash': topic.metadata.get('topic_type_hash', ''),
     }
 
 

@@ -11,12 +11,17 @@ from pathlib import Path
 import numpy as np
 from numpy.lib.recfunctions import repack_fields
 
-from gear_dynamics.bag.log import Log, LogPath, message_time, warn_of
+from gear_dynamics.bag.log import Log, LogPath, message_time, printable, warn_of
 from gear_dynamics.bag.rows import row_reader
 from gear_dynamics.bag.source import Damage, LogChannel, LogError
 from gear_dynamics.bag.time_range import log_time_range
 
 _ROWS_AT_FIRST = 1 << 16
+_SMALLEST_ROW = 16
+_EXPANSION = 64
+
+LARGEST_TEXTS = 1 << 32
+"""Bytes that columns of text may take, as wide as the longest of them."""
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -35,6 +40,8 @@ class LogMessage:
         File.
     offset : int
         Byte at which the message's chunk begins.
+    sequence : int
+        Number that the publisher or the writer gave it; 0 in logs of this package.
     """
 
     channel: LogChannel
@@ -43,12 +50,13 @@ class LogMessage:
     publish_time: int
     path: Path
     offset: int
+    sequence: int = 0
 
     @property
     def place(self) -> str:
         """Where the message is, in words."""
         return (
-            f'{self.path.name}, chunk at byte {self.offset}, topic {self.channel.topic}, '
+            f'{self.path.name}, byte {self.offset}, topic {printable(self.channel.topic)}, '
             f'log time {self.log_time} ns'
         )
 
@@ -87,6 +95,7 @@ def read_messages(
                 message.publish_time,
                 source.path,
                 message.offset,
+                message.sequence,
             )
 
 
@@ -103,7 +112,7 @@ def iter_rows(
     name = log.resolve(topic)
     # A time range needs t even where it is not asked for.
     hidden = columns is not None and 't' not in columns and (start, end) != (None, None)
-    reader = row_reader(log.topics()[name], ['t', *columns] if hidden and columns else columns)
+    reader = row_reader(log.topic(name), ['t', *columns] if hidden and columns else columns)
     origin = log.origin()
     low = -np.inf if start is None else start
     high = np.inf if end is None else end
@@ -114,7 +123,8 @@ def iter_rows(
         except LogError:
             raise
         except ValueError as error:
-            reason = f'a message of {name} at log time {message.log_time} ns is skipped: {error}'
+            at = f'{printable(name)} at log time {message.log_time} ns'
+            reason = f'a message of {at} is skipped: {error}'
             log.damaged(Damage(source.path, message.offset, reason))
             continue
         if (start, end) != (None, None):
@@ -197,14 +207,10 @@ def _expected_rows(log: Log, name: str, block: int, start: float | None, end: fl
     """Guess the number of rows, so that the array need not grow: exact for equal blocks."""
     if start is not None or end is not None or not log.indexed:
         return _ROWS_AT_FIRST
-    messages = 0
-    for source in log.sources:
-        assert source.summary is not None
-        assert source.summary.statistics is not None
-        for number, channel in source.channels.items():
-            if channel.topic == name:
-                messages += source.summary.statistics.channel_message_counts.get(number, 0)
-    return messages * block
+    messages = sum(c.messages for channel, c in log.contents().items() if channel.topic == name)
+    # An index may claim any number: no more is believed than a constant signal would give.
+    plausible = _EXPANSION * sum(source.size for source in log.sources) // _SMALLEST_ROW
+    return min(messages * block, plausible)
 
 
 def _bytes(rows: np.ndarray) -> np.ndarray:
@@ -213,12 +219,29 @@ def _bytes(rows: np.ndarray) -> np.ndarray:
 
 def _widen(rows: np.ndarray, dtype: np.dtype, topic: str) -> np.ndarray:
     """Make room for longer texts; any other change of columns has no common array."""
+    return rows.astype(common_type(rows.dtype, dtype, len(rows), topic), copy=False)
+
+
+def common_type(first: np.dtype, second: np.dtype, count: int, topic: str) -> np.dtype:
+    """Return the type of `count` rows that holds those of both types.
+
+    Raises
+    ------
+    LogError
+        If there is none, or it would take too much memory.
+    """
     try:
-        return rows.astype(np.promote_types(rows.dtype, dtype), copy=False)
+        dtype = np.promote_types(first, second)
     except TypeError:
         raise LogError(
-            f'the columns of {topic} change within the log: read the parts one by one'
+            f'the columns of {printable(topic)} change within the log: read its files one by one'
         ) from None
+    if count * dtype.itemsize > LARGEST_TEXTS:
+        raise LogError(
+            f'{count} rows of {dtype.itemsize} bytes of {printable(topic)} exceed the limit of '
+            f'{LARGEST_TEXTS} bytes: read fewer columns, or a part'
+        )
+    return dtype
 
 
 def _empty(log: Log, topic: str, columns: Sequence[str] | None) -> np.ndarray:

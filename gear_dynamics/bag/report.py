@@ -134,14 +134,8 @@ def _count_samples(log: Log) -> int:
     first = next(iter_rows(log, name, columns=('t',)), None)
     if first is None:
         return 0
-    if not log.indexed:
-        return len(first) * sum(1 for _ in log.messages([name]))
     return len(first) * sum(
-        source.summary.statistics.channel_message_counts.get(number, 0)
-        for source in log.sources
-        if source.summary is not None and source.summary.statistics is not None
-        for number, about in source.channels.items()
-        if about.topic == name
+        count.messages for channel, count in log.contents().items() if channel.topic == name
     )
 
 

@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import struct
 from collections.abc import Iterator, Sequence
 from typing import Any, Protocol
 
 import numpy as np
 
-from gear_dynamics.bag.source import LogError
+from gear_dynamics.bag.log import printable
+from gear_dynamics.bag.source import LogChannel, LogError
 from gear_dynamics.machine.columns import SAMPLE_COLUMNS, SAMPLES
-from gear_dynamics.wire.messages import deserialize
+from gear_dynamics.wire.messages import MessageError, deserialize, message_class
 from gear_dynamics.wire.tables import TABLE_TYPE, decode_table
+
+MOST_VALUES = 4096
+"""Values in a message that can become columns of a row."""
+
+LARGEST_ROWS = 1 << 28
+"""Bytes that the rows of one message may take."""
 
 _STAMP = struct.Struct('<iI')
 
@@ -34,9 +42,27 @@ class RowReader(Protocol):
         """
 
 
-def row_reader(type_name: str, columns: Sequence[str] | None) -> RowReader:
-    """Return the reader for a message type that keeps these columns, or all."""
-    return TableRows(columns) if type_name == TABLE_TYPE else MessageRows(type_name, columns)
+def row_reader(channel: LogChannel, columns: Sequence[str] | None) -> RowReader:
+    """Return the reader for the messages of a channel that keeps these columns, or all.
+
+    Raises
+    ------
+    LogError
+        If messages of this kind cannot be read as rows.
+    """
+    topic, type_name = printable(channel.topic), channel.type_name
+    if channel.encoding != 'cdr':
+        raise LogError(
+            f'{topic} cannot be read as rows: its encoding is {printable(channel.encoding)!r}, '
+            "that of ROS 2 is 'cdr'"
+        )
+    if type_name == TABLE_TYPE:
+        return TableRows(columns)
+    try:
+        message_class(type_name)
+    except MessageError as error:
+        raise LogError(f'{topic} cannot be read as rows: {printable(str(error))}') from None
+    return MessageRows(type_name, columns)
 
 
 class TableRows:
@@ -120,11 +146,19 @@ class MessageRows:
             return np.empty(0, [('t', np.float64)])
         types = {name: _column_type([row[name] for row in rows]) for name in rows[0]}
         dtype = _chosen(types, self._columns)
+        if len(rows) * dtype.itemsize > LARGEST_ROWS:
+            raise MessageError(
+                f'its {len(rows)} rows take {len(rows) * dtype.itemsize} bytes: '
+                f'the limit is {LARGEST_ROWS}'
+            )
         return np.array([tuple(row[name] for name in dtype.names or ()) for row in rows], dtype)
 
     def _rows(self, message: Any) -> Iterator[dict[str, Any]]:
         if self._type_name != 'diagnostic_msgs/msg/DiagnosticArray':
-            yield dict(_flatten(message, ''))
+            values = dict(itertools.islice(_flatten(message, ''), MOST_VALUES + 1))
+            if len(values) > MOST_VALUES:
+                raise MessageError(f'it has more than {MOST_VALUES} values, which is the limit')
+            yield values
             return
         for status in message.status:
             about = {'name': status.name, 'level': status.level, 'message': status.message}

@@ -1,41 +1,47 @@
-"""One MCAP file to read: by its index where that is sound, record by record otherwise."""
+"""One MCAP file to read, whole, cut or damaged."""
 
 from __future__ import annotations
 
 import dataclasses
+import functools
 import os
-import struct
-import zlib
+import tempfile
 from collections.abc import Callable, Collection, Iterator
-from io import BytesIO
 from pathlib import Path
 
 from mcap.opcode import Opcode
-from mcap.records import Channel, ChunkIndex, Metadata, Schema
-from mcap.stream_reader import StreamReader
-from mcap.summary import Summary
+from mcap.records import Channel, ChunkIndex, Header, Metadata, Schema
 from mcap.writer import MCAP0_MAGIC
 
-from gear_dynamics.bag.chunks import (
+from gear_dynamics.bag.decompress import (
+    ZSTD_MAGIC,
+    DecompressionError,
+    decompress_file,
+    decompress_message,
+)
+from gear_dynamics.bag.index import read_index
+from gear_dynamics.bag.mcap_file import CONFIGURATION, configuration_checksum
+from gear_dynamics.bag.records import (
     LARGEST_RECORD,
-    PARSE_ERRORS,
+    MESSAGE,
     RECORD,
-    ChunkError,
-    ChunkMessage,
-    chunk_records,
-    find_chunk,
+    RawMessage,
+    RecordError,
+    chunk_head,
+    iter_records,
     parse_record,
     unpack_chunk,
 )
-from gear_dynamics.bag.mcap_file import CONFIGURATION, configuration_checksum
+from gear_dynamics.bag.walk import Place, Walk, find_chunk
 
-_FOOTER = struct.Struct('<BQQQI')
-_KNOWN = frozenset(Opcode)
-_PARSED: dict[int, type] = {
-    Opcode.CHANNEL: Channel,
-    Opcode.SCHEMA: Schema,
-    Opcode.METADATA: Metadata,
+_LOOSE_SIZE = 1 << 20
+"""Bytes of messages outside chunks that are read at once."""
+
+_FOREIGN = {
+    b'SQLite format 3\0': 'this is an SQLite bag: `ros2 bag convert` makes an MCAP bag of it',
+    b'#ROSBAG V': 'this is a bag of ROS 1: `rosbags-convert` makes a ROS 2 bag of it',
 }
+"""First bytes of other kinds of logs, and what to do with them."""
 
 
 class LogError(ValueError):
@@ -54,11 +60,14 @@ class Damage:
         Byte at which it begins.
     reason : str
         What is wrong, and what was skipped.
+    loss : bool
+        Whether messages may have been lost.
     """
 
     path: Path
     offset: int
     reason: str
+    loss: bool = True
 
     def __str__(self) -> str:
         return f'{self.path.name}, byte {self.offset}: {self.reason}'
@@ -66,27 +75,107 @@ class Damage:
 
 @dataclasses.dataclass(frozen=True)
 class LogChannel:
-    """A topic as a log has it: name, type, type hash, offered QoS profiles as YAML."""
+    """A topic as a log has it.
+
+    Attributes
+    ----------
+    topic, type_name : str
+        As they stand in the file; the type is empty where there is no schema.
+    encoding : str
+        Of the messages; 'cdr' in logs of ROS 2.
+    schema_encoding : str
+        'ros2msg', for one.
+    schema : bytes
+        Definition of the type.
+    metadata : tuple of (str, str)
+        What else the file says of the channel.
+    """
 
     topic: str
     type_name: str
-    type_hash: str
-    qos: str
+    encoding: str = 'cdr'
+    schema_encoding: str = ''
+    schema: bytes = b''
+    metadata: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def type_hash(self) -> str:
+        """Type hash of REP 2011; empty where it is not known."""
+        return dict(self.metadata).get('topic_type_hash', '')
+
+    @property
+    def qos(self) -> str:
+        """Offered QoS profiles as YAML; empty where they are not known."""
+        return dict(self.metadata).get('offered_qos_profiles', '')
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, slots=True)
 class ReadMessage:
-    """A message as it stands in a file; `data` is a view of the chunk at `offset`."""
+    """A message as it stands in a file; `data` is a view of the records at `offset`."""
 
     channel: LogChannel
+    sequence: int
     log_time: int
     publish_time: int
     data: memoryview
     offset: int
 
 
+@dataclasses.dataclass(slots=True)
+class Segment:
+    """Bytes of a file that are read at once: a chunk, or a run of messages outside chunks.
+
+    Attributes
+    ----------
+    source : McapSource
+        The file.
+    offset, length : int
+        Where the records are [bytes].
+    start, end : int
+        Log times of the first and last message [ns].
+    size : int
+        Bytes in memory.
+    index : ChunkIndex or None
+        What the index says of the chunk.
+    is_chunk : bool
+    """
+
+    source: McapSource
+    offset: int
+    length: int
+    start: int
+    end: int
+    size: int
+    index: ChunkIndex | None = None
+    is_chunk: bool = True
+
+
+@dataclasses.dataclass
+class ChannelCount:
+    """Messages of a channel in a file, and log times of the first and the last [ns]."""
+
+    messages: int = 0
+    start: int = 0
+    end: int = 0
+
+    def add(self, log_time: int) -> None:
+        """Count a message."""
+        self.start = min(self.start, log_time) if self.messages else log_time
+        self.end = max(self.end, log_time)
+        self.messages += 1
+
+    def merge(self, other: ChannelCount) -> None:
+        """Add what was counted elsewhere."""
+        if other.messages:
+            self.start = min(self.start, other.start) if self.messages else other.start
+            self.end = max(self.end, other.end)
+            self.messages += other.messages
+
+
 class McapSource:
-    """An MCAP file, whole, cut or damaged.
+    """An MCAP file, whole, cut or damaged; one that is compressed as a whole as well.
+
+    Opening it walks over its records without unpacking any chunk.
 
     Parameters
     ----------
@@ -94,6 +183,19 @@ class McapSource:
         The file.
     on_damage : callable
         Told of every place that cannot be read; reading goes on behind it.
+
+    Attributes
+    ----------
+    index : Index or None
+        The index at the end of the file, if it is sound.
+    segments : list of Segment
+        Where messages are, in the order of the file.
+    complete : bool
+        Whether the file has an end, as it is written when a log is closed.
+    foreign : str
+        What the file is if it is no MCAP file; empty otherwise.
+    profile : str or None
+        Of the file, as 'ros2'; None where its header is lost.
 
     Raises
     ------
@@ -104,244 +206,270 @@ class McapSource:
     def __init__(self, path: Path, on_damage: Callable[[Damage], None]) -> None:
         self.path = path
         self._on_damage = on_damage
-        try:
-            self.file = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
-            self.size = os.fstat(self.file).st_size
-        except OSError as error:
-            raise LogError(f'{path}: {error.strerror}') from None
-        self.summary = self._read_summary()
         self._schemas: dict[int, Schema] = {}
         self._channels: dict[int, LogChannel] = {}
-        for record in self._known_records():
-            self._learn(record)
+        self._metadata: list[tuple[int, Metadata]] = []
+        self.segments: list[Segment] = []
+        self.complete = False
+        self.profile: str | None = None
+        try:
+            self.file = _open(path)
+        except OSError as error:
+            raise LogError(f'{path}: {error.strerror}') from None
+        try:
+            self.size = os.fstat(self.file).st_size
+            self.index = read_index(
+                self.file, self.size, lambda at, why: self._damaged(at, why, False)
+            )
+            if self.index is not None:
+                for schema in self.index.schemas.values():
+                    self._learn(schema)
+                for channel in self.index.channels.values():
+                    self._learn(channel)
+            self.foreign = self._foreign_kind()
+            if not self.foreign:
+                self._walk()
+        except BaseException:
+            self.close()
+            raise
 
     def close(self) -> None:
         """Close the file."""
         os.close(self.file)
 
-    @property
-    def foreign(self) -> bool:
-        """Whether neither its first bytes nor any others are those of an MCAP file."""
-        return (
-            self.summary is None
-            and os.pread(self.file, len(MCAP0_MAGIC), 0) != MCAP0_MAGIC
-            and find_chunk(self.file, 0, self.size) is None
-        )
-
-    def _known_records(self) -> list[Schema | Channel]:
-        if self.summary is None:
-            return []
-        return [*self.summary.schemas.values(), *self.summary.channels.values()]
+    def _foreign_kind(self) -> str:
+        """Return what the file is if neither its first bytes nor any others are those of MCAP."""
+        if self.index is not None or os.pread(self.file, len(MCAP0_MAGIC), 0) == MCAP0_MAGIC:
+            return ''
+        if find_chunk(self.file, 0, self.size) is not None:
+            return ''
+        head = os.pread(self.file, 16, 0)
+        hints = (hint for magic, hint in _FOREIGN.items() if head.startswith(magic))
+        return next(hints, 'this is no MCAP file')
 
     @property
     def channels(self) -> dict[int, LogChannel]:
         """Channels by their number in the file; those met so far in a file without an index."""
         return self._channels
 
-    def messages(
+    def _walk(self) -> None:
+        walk = Walk(self.file, self.size, self.index, self._damaged)
+        for place in walk:
+            if place.opcode == Opcode.CHUNK:
+                self._add_chunk(place)
+            elif place.opcode == Opcode.MESSAGE:
+                self._add_loose(place)
+            elif place.opcode == Opcode.HEADER:
+                self.profile = parse_record(Header, place.content).profile
+            elif place.opcode == Opcode.SCHEMA:
+                self._learn(parse_record(Schema, place.content))
+            elif place.opcode == Opcode.CHANNEL:
+                self._learn(parse_record(Channel, place.content))
+            elif place.opcode == Opcode.METADATA:
+                self._metadata.append((place.offset, parse_record(Metadata, place.content)))
+        self.complete = walk.complete
+
+    def _add_chunk(self, place: Place) -> None:
+        head = chunk_head(place.content, place.length)
+        index = self.index.chunks.get(place.offset) if self.index is not None else None
+        times = index or head
+        start, end = (
+            (times.message_start_time, times.message_end_time)
+            if isinstance(times, ChunkIndex)
+            else (times.start, times.end)
+        )
+        length = RECORD.size + place.length
+        if length > LARGEST_RECORD:
+            self._damaged(
+                place.offset,
+                f'a chunk of {place.length} bytes is lost: the limit is {LARGEST_RECORD}',
+            )
+            return
+        size = length + head.size
+        self.segments.append(Segment(self, place.offset, length, start, end, size, index))
+
+    def _add_loose(self, place: Place) -> None:
+        """Take a message outside chunks, together with those before it if it follows them."""
+        length = RECORD.size + place.length
+        if length > LARGEST_RECORD:
+            self._damaged(
+                place.offset,
+                f'a message of {place.length} bytes is lost: the limit is {LARGEST_RECORD}',
+            )
+            return
+        _, _, time, _ = MESSAGE.unpack_from(place.content)
+        last = self.segments[-1] if self.segments else None
+        if (
+            last is not None
+            and not last.is_chunk
+            and last.offset + last.length == place.offset
+            and last.length + length <= _LOOSE_SIZE
+        ):
+            last.length += length
+            last.size += length
+            last.start, last.end = min(last.start, time), max(last.end, time)
+        else:
+            loose = Segment(self, place.offset, length, time, time, length, is_chunk=False)
+            self.segments.append(loose)
+
+    def wanted(
+        self, topics: Collection[str] | None, start: int | None, end: int | None
+    ) -> Iterator[Segment]:
+        """Iterate over the segments that can hold messages of topics between log times [ns]."""
+        if self.index is None or not self.index.complete:
+            self.contents()  # the heads of chunks may lie, and channels be told of elsewhere
+        for segment in self.segments:
+            if start is not None and segment.end < start:
+                continue
+            if end is not None and segment.start >= end:
+                continue
+            numbers = segment.index.message_index_offsets if segment.index else {}
+            if (
+                topics is None
+                or not numbers
+                or any(
+                    n not in self._channels or self._channels[n].topic in topics for n in numbers
+                )
+            ):
+                yield segment
+
+    def read(
         self,
+        segment: Segment,
         topics: Collection[str] | None = None,
         start: int | None = None,
         end: int | None = None,
-    ) -> Iterator[ReadMessage]:
-        """Iterate over messages in the order of the file.
-
-        Parameters
-        ----------
-        topics : collection of str, optional
-            Only these topics.
-        start, end : int, optional
-            Only log times from `start` on and before `end` [ns].
-        """
-        for offset, content in self._chunks(topics, start, end):
-            try:
-                for record in chunk_records(unpack_chunk(content)):
-                    if not isinstance(record, ChunkMessage):
-                        self._learn(record)
+    ) -> list[ReadMessage]:
+        """Return the messages of a segment in the order of the file."""
+        messages = []
+        for raw, channel in self._raw_messages(segment):
+            if (
+                (topics is None or channel.topic in topics)
+                and (start is None or raw.log_time >= start)
+                and (end is None or raw.log_time < end)
+            ):
+                data = raw.data
+                if channel.encoding == 'cdr' and raw.data[:4] == ZSTD_MAGIC:
+                    try:
+                        data = memoryview(decompress_message(raw.data))
+                    except DecompressionError as error:
+                        reason = f'a message of {channel.topic[:100]!r} is lost: {error}'
+                        self._damaged(segment.offset, reason)
                         continue
-                    channel = self._channels.get(record.channel)
-                    if channel is None:
-                        raise ChunkError(
-                            f'it has a message of the unknown channel {record.channel}'
-                        )
-                    if (
-                        (topics is None or channel.topic in topics)
-                        and (start is None or record.log_time >= start)
-                        and (end is None or record.log_time < end)
-                    ):
-                        yield ReadMessage(
-                            channel, record.log_time, record.publish_time, record.data, offset
-                        )
-            except ChunkError as error:
-                self._damaged(offset, f'a chunk of {len(content)} bytes is lost: {error}')
+                messages.append(
+                    ReadMessage(
+                        channel, raw.sequence, raw.log_time, raw.publish_time, data, segment.offset
+                    )
+                )
+        return messages
+
+    def _raw_messages(self, segment: Segment) -> Iterator[tuple[RawMessage, LogChannel]]:
+        record = os.pread(self.file, segment.length, segment.offset)
+        what = f'a chunk of {segment.length - RECORD.size} bytes'
+        try:
+            if segment.is_chunk:
+                records = unpack_chunk(memoryview(record)[RECORD.size :])
+            else:
+                records = memoryview(record)
+        except RecordError as error:
+            self._damaged(segment.offset, f'{what} is lost: {error}')
+            return
+        unknown: dict[int, int] = {}
+        try:
+            for item in iter_records(records):
+                if not isinstance(item, RawMessage):
+                    self._learn(item)
+                elif (channel := self._channels.get(item.channel)) is None:
+                    unknown[item.channel] = unknown.get(item.channel, 0) + 1
+                else:
+                    yield item, channel
+        except RecordError as error:
+            self._damaged(segment.offset, f'the rest of {what} is lost: {error}')
+        for number, count in unknown.items():
+            reason = f'messages of the unknown channel {number} are lost: {count} of them'
+            self._damaged(segment.offset, reason)
+
+    def contents(self) -> dict[LogChannel, ChannelCount]:
+        """Return what is in the file by channel, from all its messages; reads them once."""
+        return self._contents
+
+    @functools.cached_property
+    def _contents(self) -> dict[LogChannel, ChannelCount]:
+        # By identity while counting: the hash of a channel takes its whole definition.
+        counts: dict[int, tuple[LogChannel, ChannelCount]] = {}
+        for segment in self.segments:
+            inside = ChannelCount()
+            for raw, channel in self._raw_messages(segment):
+                counted = counts.get(id(channel))
+                if counted is None:
+                    counted = counts[id(channel)] = channel, ChannelCount()
+                counted[1].add(raw.log_time)
+                inside.add(raw.log_time)
+            if inside.messages:
+                segment.start, segment.end = inside.start, inside.end
+        found = {channel: ChannelCount() for channel in self._channels.values()}
+        for channel, count in counts.values():
+            found.setdefault(channel, ChannelCount()).merge(count)
+        return found
 
     def configurations(self) -> Iterator[dict[str, str]]:
         """Iterate over the configurations that the run had, each with its `log_time` [ns]."""
-        for offset, record in self._metadata():
+        for offset, record in self._metadata:
             if record.name != CONFIGURATION:
                 continue
             content = dict(record.metadata)
-            if content.pop('crc32', None) == configuration_checksum(content):
-                yield content
-            else:
+            if content.pop('crc32', None) != configuration_checksum(content):
                 self._damaged(offset, 'a configuration is lost: its CRC is wrong')
-
-    def _metadata(self) -> Iterator[tuple[int, Metadata]]:
-        if self.summary is None or not self.summary.metadata_indexes:
-            places = ((o, c) for o, code, c in self.records() if code == Opcode.METADATA)
-        else:
-            places = (
-                (index.offset, os.pread(self.file, index.length, index.offset)[RECORD.size :])
-                for index in self.summary.metadata_indexes
-            )
-        for offset, content in places:
-            try:
-                yield offset, parse_record(Metadata, content)
-            except ChunkError as error:
-                self._damaged(offset, str(error))
-
-    def _chunks(
-        self, topics: Collection[str] | None, start: int | None, end: int | None
-    ) -> Iterator[tuple[int, bytes | memoryview]]:
-        """Iterate over offset and content of the chunks that can hold what is asked for."""
-        if self.summary is None or not self.summary.chunk_indexes:
-            for offset, opcode, content in self.records():
-                if opcode == Opcode.CHUNK:
-                    yield offset, content
-                elif opcode == Opcode.SCHEMA:
-                    self._learn(parse_record(Schema, content))
-                elif opcode == Opcode.CHANNEL:
-                    self._learn(parse_record(Channel, content))
-            return
-        for index in self.summary.chunk_indexes:
-            if not self._wanted(index, topics, start, end):
-                continue
-            at, length = index.chunk_start_offset, index.chunk_length
-            record = os.pread(self.file, length, at)
-            if len(record) != length or record[:9] != RECORD.pack(Opcode.CHUNK, length - 9):
-                self._damaged(at, f'a chunk of {length} bytes is lost: its header is damaged')
+            elif not _is_time(content.get('log_time', '')):
+                time = content.get('log_time', '')[:30]
+                self._damaged(offset, f'a configuration is lost: its log_time is {time!r}')
             else:
-                yield at, memoryview(record)[RECORD.size :]
-
-    def _wanted(
-        self, index: ChunkIndex, topics: Collection[str] | None, start: int | None, end: int | None
-    ) -> bool:
-        if start is not None and index.message_end_time < start:
-            return False
-        if end is not None and index.message_start_time >= end:
-            return False
-        numbers = index.message_index_offsets
-        return (
-            topics is None
-            or not numbers
-            or any(n not in self._channels or self._channels[n].topic in topics for n in numbers)
-        )
-
-    def records(self) -> Iterator[tuple[int, int, bytes]]:
-        """Walk over the records of the data section: offset, opcode, content; skips damage."""
-        at = len(MCAP0_MAGIC)
-        if self.foreign:
-            self._damaged(0, 'this is no MCAP file')
-            return
-        if os.pread(self.file, at, 0) != MCAP0_MAGIC:
-            self._damaged(0, 'the file does not begin as an MCAP file')
-        while at < self.size:
-            head = os.pread(self.file, RECORD.size, at)
-            opcode, length = RECORD.unpack(head) if len(head) == RECORD.size else (0, 0)
-            end = at + RECORD.size + length
-            content = b''
-            if opcode in _KNOWN and end <= self.size and length <= LARGEST_RECORD:
-                content = os.pread(self.file, length, at + RECORD.size)
-            if not _plausible(opcode, length, content):
-                next_chunk = find_chunk(self.file, at + 1, self.size)
-                if next_chunk is None:
-                    break
-                self._damaged(at, f'{next_chunk - at} bytes are lost: they are no records')
-                at = next_chunk
-                continue
-            if opcode == Opcode.DATA_END:
-                return
-            yield at, opcode, content
-            at = end
-        lost = self.size - at
-        self._damaged(at, f'the file is cut: {lost} bytes behind the last whole record are lost')
+                yield content
 
     def _learn(self, record: Schema | Channel) -> None:
         if isinstance(record, Schema):
             self._schemas[record.id] = record
-        elif record.schema_id in self._schemas:
-            self._channels[record.id] = LogChannel(
-                topic=record.topic,
-                type_name=self._schemas[record.schema_id].name,
-                type_hash=record.metadata.get('topic_type_hash', ''),
-                qos=record.metadata.get('offered_qos_profiles', ''),
-            )
+            return
+        schema = self._schemas.get(record.schema_id)
+        if schema is None and record.schema_id:
+            return
+        channel = LogChannel(
+            topic=record.topic,
+            type_name=schema.name if schema else '',
+            encoding=record.message_encoding,
+            schema_encoding=schema.encoding if schema else '',
+            schema=schema.data if schema else b'',
+            metadata=tuple(record.metadata.items()),
+        )
+        if self._channels.get(record.id) != channel:
+            self._channels[record.id] = channel
 
-    def _read_summary(self) -> Summary | None:
-        """Return the index if the file ends with one whose CRC is right."""
-        tail_size = _FOOTER.size + len(MCAP0_MAGIC)
-        tail = os.pread(self.file, tail_size, max(self.size - tail_size, 0))
-        if len(tail) != tail_size or tail[_FOOTER.size :] != MCAP0_MAGIC:
-            return None
-        opcode, length, start, _, crc = _FOOTER.unpack_from(tail)
-        end = self.size - tail_size
-        if (opcode, length) != (
-            Opcode.FOOTER,
-            _FOOTER.size - 9,
-        ) or not 0 < start <= end <= start + LARGEST_RECORD:
-            return None
-        summary = os.pread(self.file, end - start, start)
-        if crc and zlib.crc32(tail[: _FOOTER.size - 4], zlib.crc32(summary)) != crc:
-            self._damaged(start, 'the index is damaged: the file is read without it')
-            return None
-        return _parse_summary(summary + tail)
-
-    def _damaged(self, offset: int, reason: str) -> None:
-        self._on_damage(Damage(self.path, offset, reason))
+    def _damaged(self, offset: int, reason: str, loss: bool = True) -> None:
+        self._on_damage(Damage(self.path, offset, reason, loss))
 
 
-def _plausible(opcode: int, length: int, content: bytes) -> bool:
-    """Tell a record from damage by whether its inner lengths fit it."""
-    if opcode not in _KNOWN or len(content) != length:
-        return False
-    if opcode == Opcode.CHUNK:
-        return _chunk_fits(content)
-    if opcode == Opcode.MESSAGE_INDEX:
-        return length >= 6 and struct.unpack_from('<I', content, 2)[0] == length - 6
-    if opcode in _PARSED:
+def _is_time(text: str) -> bool:
+    """Check that a text is a time that MCAP can hold [ns]."""
+    return text.isascii() and text.isdecimal() and len(text) <= 20 and int(text) < 1 << 64
+
+
+def _open(path: Path) -> int:
+    """Open a file; a compressed one is unpacked to a temporary file first.
+
+    Raises
+    ------
+    LogError
+        If it does not decompress.
+    OSError
+        If it cannot be opened, or there is no room for it.
+    """
+    file = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+    if os.pread(file, len(ZSTD_MAGIC), 0) != ZSTD_MAGIC:
+        return file
+    with os.fdopen(file, 'rb') as compressed, tempfile.TemporaryFile() as plain:
         try:
-            parse_record(_PARSED[opcode], content)
-        except ChunkError:
-            return False
-        return True
-    fixed = {Opcode.DATA_END: 4, Opcode.FOOTER: 20, Opcode.SUMMARY_OFFSET: 17}
-    return length == fixed.get(Opcode(opcode), length)
-
-
-def _chunk_fits(content: bytes) -> bool:
-    """Check name length and data length of a chunk against its whole length."""
-    if len(content) < 40:
-        return False
-    (name_length,) = struct.unpack_from('<I', content, 28)
-    if 40 + name_length > len(content):
-        return False
-    (data_length,) = struct.unpack_from('<Q', content, 32 + name_length)
-    return 40 + name_length + data_length == len(content)
-
-
-def _parse_summary(data: bytes) -> Summary | None:
-    """Parse the summary section with the mcap package; None if it is no index."""
-    summary = Summary()
-    places = {
-        'Schema': lambda r: summary.schemas.update({r.id: r}),
-        'Channel': lambda r: summary.channels.update({r.id: r}),
-        'ChunkIndex': summary.chunk_indexes.append,
-        'MetadataIndex': summary.metadata_indexes.append,
-        'Statistics': lambda r: setattr(summary, 'statistics', r),
-    }
-    try:
-        for record in StreamReader(BytesIO(data), skip_magic=True).records:
-            places.get(type(record).__name__, lambda r: None)(record)
-    except PARSE_ERRORS:
-        return None
-    return summary if summary.statistics else None
+            decompress_file(compressed, plain)
+        except DecompressionError as error:
+            raise LogError(f'{path}: {error}') from None
+        plain.flush()
+        return os.dup(plain.fileno())

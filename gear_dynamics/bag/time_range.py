@@ -25,12 +25,11 @@ def log_time_range(
     The index knows log times only. They bound the range where the messages' lateness is steady;
     otherwise, as when stamps run faster than the clock, the bounds are None.
     """
-    spans = [source.summary.statistics for source in log.sources if source.summary is not None]
-    known = [span for span in spans if span is not None and span.message_count]
-    if not log.indexed or not known or not (np.isfinite(low) or np.isfinite(high)):
+    if not log.indexed or not (np.isfinite(low) or np.isfinite(high)):
         return None, None
-    first = min(span.message_start_time for span in known)
-    last = max(span.message_end_time for span in known)
+    filled = [count for count in log.contents().values() if count.messages]
+    first = min((count.start for count in filled), default=0)
+    last = max((count.end for count in filled), default=0)
     if last - first < MARGIN:
         return None, None
     late, lengths = [], []

@@ -13,8 +13,7 @@ from typing import Any, NamedTuple
 
 from gear_dynamics.bag.chunk_builder import COMPRESSIONS
 from gear_dynamics.bag.folder import BagFolder, Limits, LogDeleted, LogStopped
-from gear_dynamics.bag.metadata import OfferedQos, Topic
-from gear_dynamics.wire.messages import message_type
+from gear_dynamics.bag.metadata import OfferedQos, Topic, published_topic
 
 SYNC_INTERVAL = 0.4
 """Seconds between bringing everything to the disk; a crash loses little more than this."""
@@ -163,8 +162,7 @@ class LogWriter:
         if key not in self._topics:
             if not topic.startswith('/'):
                 raise ValueError(f'topic {topic!r} must be absolute: it must begin with a slash')
-            message_type(type_name)
-            self._topics[key] = Topic(*key)
+            self._topics[key] = published_topic(*key)
         if not 0 <= log_time < 1 << 64 or not 0 <= publish_time < 1 << 64:
             raise ValueError(
                 f'log_time {log_time} or publish_time {publish_time} ns is out of range'

@@ -9,7 +9,6 @@ import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-import yaml
 from rclpy.clock import Clock, ClockType
 from rclpy.duration import Duration
 from rclpy.node import Node
@@ -20,6 +19,7 @@ from std_srvs.srv import SetBool, Trigger
 from tqdm import tqdm
 
 from gear_dynamics.bag.log import Log
+from gear_dynamics.bag.qos import first_profile
 from gear_dynamics.bag.reader import LogMessage, read_messages
 from gear_dynamics.bag.source import Damage, LogChannel, LogError
 from gear_dynamics.nodes.diagnostics import Diagnostics, Level, Report
@@ -201,6 +201,7 @@ class Replay:
 
 
 _LATCHED = DurabilityPolicy.TRANSIENT_LOCAL
+_DEEPEST = 10_000
 
 
 def _paths(text: str) -> list[str]:
@@ -219,32 +220,19 @@ def _channels(log: Log, topics: Sequence[str]) -> dict[str, LogChannel]:
 
 def _span(log: Log) -> tuple[int, int]:
     """Return log times of the first and the last message [ns]."""
-    if log.indexed:
-        statistics = [source.summary.statistics for source in log.sources if source.summary]
-        known = [each for each in statistics if each is not None and each.message_count]
-        if known:
-            return (
-                min(each.message_start_time for each in known),
-                max(each.message_end_time for each in known),
-            )
-    times = [message.log_time for _, message in log.messages()]
-    if not times:
+    filled = [count for count in log.contents().values() if count.messages]
+    if not filled:
         raise LogError('there is no message that can be read')
-    return min(times), max(times)
+    return min(count.start for count in filled), max(count.end for count in filled)
 
 
 def _qos(channel: LogChannel) -> QoSProfile:
     """Return the QoS that a topic was published with, as far as it matters to a listener."""
-    try:
-        offered = yaml.safe_load(channel.qos)[0]
-        depth = max(1, int(offered.get('depth', 10)))
-    except (yaml.YAMLError, TypeError, ValueError, LookupError, AttributeError):
-        offered, depth = {}, 10
-    qos = QoSProfile(depth=depth)
-    # Logs of before Jazzy have the numbers of the policies, later ones their names.
-    if offered.get('reliability') in ('best_effort', 2):
+    offered = first_profile(channel.qos)
+    qos = QoSProfile(depth=max(1, min(offered.depth, _DEEPEST)))
+    if offered.reliability == 'best_effort':
         qos.reliability = ReliabilityPolicy.BEST_EFFORT
-    if offered.get('durability') in ('transient_local', 1):
+    if offered.durability == 'transient_local':
         qos.durability = _LATCHED
     return qos
 

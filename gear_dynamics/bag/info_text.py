@@ -1,54 +1,53 @@
-"""Tell what a log holds: topics, types, counts, rates, gaps, configuration, whole or cut."""
+"""What a log holds, as the lines that `log info` prints."""
 
 from __future__ import annotations
 
-import argparse
 import datetime
 from collections.abc import Iterator
 
-from gear_dynamics.bag.info import LogInfo, TopicInfo, log_info
-from gear_dynamics.bag.source import LogError
+from gear_dynamics.bag.info import LogInfo, TopicInfo
+from gear_dynamics.bag.log import printable
 
 GAPS_SHOWN = 10
+"""Gaps of a topic that are listed one by one."""
+
+DAMAGE_SHOWN = 20
+"""Damaged places that are listed one by one."""
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare what the verb takes."""
-    parser.add_argument('log', nargs='+', help='bag folders or MCAP files')
-
-
-def run(arguments: argparse.Namespace) -> int:
-    """Print it."""
-    info = log_info(arguments.log)
-    print('\n'.join(lines(info)))
-    if not (info.whole or info.messages or info.configurations):
-        raise LogError('nothing in the log can be read')
-    return 0
-
-
-def lines(info: LogInfo) -> Iterator[str]:
-    """Iterate over the lines that tell of a log."""
+def info_lines(info: LogInfo) -> Iterator[str]:
+    """Iterate over the lines that describe a log."""
     for file in info.files:
-        yield f'file           {file}'
+        yield f'file           {printable(str(file))}'
     yield f'size           {info.size / 1e6:.1f} MB'
-    state = 'whole' if info.whole else 'cut or damaged: `log recover` makes a sound copy'
-    yield f'state          {state}'
-    for damage in info.damage:
-        yield f'damage         {damage}'
+    yield f'state          {_state(info)}'
+    yield from _listed('damage', [printable(str(each)) for each in info.damage], DAMAGE_SHOWN)
     yield f'start          {_local(info.start)}'
     yield f'duration       {info.duration:.3f} s'
     yield f'messages       {info.messages}'
     yield from _table(info)
     for topic in info.topics:
-        for gap in topic.gaps[:GAPS_SHOWN]:
-            yield f'gap            {topic.name}: {gap.duration:+.6f} s at {gap.at:.3f} s'
-        if len(topic.gaps) > GAPS_SHOWN:
-            yield f'gap            {topic.name}: and {len(topic.gaps) - GAPS_SHOWN} more'
+        gaps = [f'{gap.duration:+.6f} s at {gap.at:.3f} s' for gap in topic.gaps]
+        name = printable(topic.name)
+        yield from _listed('gap', [f'{name}: {gap}' for gap in gaps], GAPS_SHOWN)
     for configuration in info.configurations:
         yield f'configuration from {_local(int(configuration["log_time"]))}'
         for key, text in configuration.items():
             if key != 'log_time':
                 yield from _entry(key, text)
+
+
+def _state(info: LogInfo) -> str:
+    if not info.whole:
+        return 'cut or damaged: `log recover` makes a sound copy'
+    return 'whole' if info.checked else 'whole by its index; without --quick all is checked'
+
+
+def _listed(word: str, items: list[str], most: int) -> Iterator[str]:
+    for item in items[:most]:
+        yield f'{word:<14} {item}'
+    if len(items) > most:
+        yield f'{word:<14} and {len(items) - most} more'
 
 
 def _local(nanoseconds: int) -> str:
@@ -73,13 +72,14 @@ def _table(info: LogInfo) -> Iterator[str]:
 
 def _row(topic: TopicInfo) -> tuple[str, str, str, str, str]:
     rate = '-' if topic.rate is None else f'{topic.rate:.3f}'
-    return (topic.name, topic.type_name, str(topic.messages), rate, str(len(topic.gaps)))
+    kind = printable(topic.type_name or '-')
+    return (printable(topic.name), kind, str(topic.messages), rate, str(len(topic.gaps)))
 
 
 def _entry(key: str, text: str) -> Iterator[str]:
     if '\n' not in text.strip():
-        yield f'  {key}: {text.strip()}'
+        yield f'  {printable(key)}: {printable(text.strip())}'
         return
-    yield f'  {key}:'
+    yield f'  {printable(key)}:'
     for line in text.rstrip().splitlines():
-        yield f'    {line}'
+        yield f'    {printable(line)}'

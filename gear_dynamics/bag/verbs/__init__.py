@@ -1,1 +1,0 @@
-"""The verbs of the `log` executable: `add_arguments(parser)` and `run(arguments)` each."""
