@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from gear_dynamics import dynamics, signal, study
     from gear_dynamics.bag.reader import read_log
     from gear_dynamics.machine.columns import EventKind
+    from gear_dynamics.model import faults
     from gear_dynamics.model.gear_pair import GearPair
     from gear_dynamics.parameters.parameter import ParameterError
     from gear_dynamics.run_figure import plot
@@ -31,6 +32,7 @@ __all__ = [
     'Simulator',
     '__version__',
     'dynamics',
+    'faults',
     'plot',
     'read_log',
     'signal',
@@ -54,7 +56,7 @@ _MODULES = {
 }
 """The module that each name comes from."""
 
-_PACKAGES = {'dynamics': 'dynamics', 'signal': 'signal', 'study': 'study'}
+_PACKAGES = {'dynamics': 'dynamics', 'faults': 'model.faults', 'signal': 'signal', 'study': 'study'}
 """Packages of functions."""
 
 

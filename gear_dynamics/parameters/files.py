@@ -29,6 +29,9 @@ NODES: dict[str, tuple[type[ParameterSet], ...]] = {
 ROS_NAMES = ('use_sim_time', 'start_type_description_service', 'qos_overrides')
 """Parameters that ROS itself gives every node; the last is the beginning of many names."""
 
+OPEN_PREFIXES = ('qos_overrides.', 'fault.')
+"""Beginnings of names that are checked elsewhere: by ROS, and where faults are known."""
+
 EXAMPLE = '/**: {ros__parameters: {speed: 104.72}}'
 
 
@@ -105,7 +108,7 @@ def refuse_unknown(names: Collection[str]) -> None:
     """
     known = known_names() | set(ROS_NAMES)
     for name in names:
-        if not name.startswith('qos_overrides.'):
+        if not name.startswith(OPEN_PREFIXES):
             refuse_unknown_name(name, known)
 
 

@@ -34,6 +34,14 @@ class SimSettings(RunSettings):
         maximum=1000.0,
     )
     publish_clock: bool = parameter(False, 'whether /clock is published for use_sim_time')
+    faults: str = parameter(
+        '', 'YAML file with a list of faults, see docs/faults.md; empty is none', live=True
+    )
+    pair_file: str = parameter(
+        '',
+        'parameter file of another gear pair; setting it starts the model anew with that pair',
+        live=True,
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -16,7 +16,6 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
-from collections.abc import Callable
 
 import numpy as np
 
@@ -26,9 +25,6 @@ CLEARANCE = 0.25
 _FILLET_NODES, _FLANK_NODES = 96, 48
 _PANELS = 4
 """Gauss-Legendre nodes in all; the fillet is cut into panels, since its thickness bends sharply."""
-
-Thinned = Callable[[np.ndarray, np.ndarray], np.ndarray]
-"""What is left of the full thickness 2 x of the sections at x, y."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -132,7 +128,7 @@ class Tooth:
         face_width: float,
         youngs_modulus: float,
         poissons_ratio: float,
-        thinned: Thinned | None = None,
+        uncracked_half: float | None = None,
     ) -> np.ndarray:
         """Return the compliance of the tooth by bending, shear and compression.
 
@@ -142,8 +138,9 @@ class Tooth:
             tan of the pressure angle at the place of contact.
         face_width, youngs_modulus, poissons_ratio : float
             [m], [Pa], none.
-        thinned : callable, optional
-            Gives from x and y the thickness that is left of 2 x [m].
+        uncracked_half : float, optional
+            Distance of a crack's tip from the tooth's centre line [m]: the half of each section
+            that the crack comes from is cut down to it. None leaves the tooth whole.
 
         Returns
         -------
@@ -155,8 +152,8 @@ class Tooth:
         cos, sin = np.cos(tau)[:, None], np.sin(tau)[:, None]
         shear_modulus = youngs_modulus / (2 * (1 + poissons_ratio))
         total = np.zeros(roll.size)
-        for x, y, dy in (self._fillet_sections(), self._flank_sections(roll)):
-            thickness = 2 * x if thinned is None else thinned(x, y)
+        for x, y, dy in self._sections(roll, uncracked_half):
+            thickness = 2 * x if uncracked_half is None else x + np.minimum(x, uncracked_half)
             moment = cos * (y_load[:, None] - y) - sin * x_load[:, None]
             inertia = face_width * thickness**3 / 12
             area = face_width * thickness
@@ -168,17 +165,29 @@ class Tooth:
             total += (energy * dy).sum(axis=1)
         return total
 
-    def _fillet_sections(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _sections(self, roll: np.ndarray, half: float | None) -> list[tuple[np.ndarray, ...]]:
+        """Return x, y and the weights of dy, from the root to the load; cut where x is `half`."""
         nodes, weights = _panelled(_FILLET_NODES // _PANELS, _PANELS)
-        width = math.pi / 2 - self.pressure_angle
-        x, y, slope = self.fillet(self.pressure_angle + width * nodes)
-        return x, y, slope * width * weights
-
-    def _flank_sections(self, roll: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        gamma = np.linspace(math.pi / 2, self.pressure_angle, 400)
+        at = self._where(half, gamma, self.fillet(gamma)[0])
+        parts: list[tuple[np.ndarray, ...]] = []
+        for begin, end in ((math.pi / 2, at), (at, self.pressure_angle)):
+            x, y, slope = self.fillet(end + (begin - end) * nodes)
+            parts.append((x, y, slope * (begin - end) * weights))
         nodes, weights = _panelled(_FLANK_NODES // _PANELS, _PANELS)
-        width = (roll - self.start_of_involute)[:, None]
-        _, x, y, slope = self.involute(self.start_of_involute + width * nodes)
-        return x, y, slope * width * weights
+        first = self.start_of_involute
+        rolls = np.linspace(first, math.tan(math.acos(self.base_radius / self.tip_radius)), 400)
+        cut = np.minimum(self._where(half, rolls, self.involute(rolls)[1]), roll)
+        for low, high in ((np.full(roll.shape, first), cut), (cut, roll)):
+            width = (high - low)[:, None]
+            _, x, y, slope = self.involute(low[:, None] + width * nodes)
+            parts.append((x, y, slope * width * weights))
+        return parts
+
+    @staticmethod
+    def _where(half: float | None, places: np.ndarray, x: np.ndarray) -> float:
+        """Return at which of the places x, which falls, has come down to `half`."""
+        return float(places[0] if half is None else np.interp(-half, -x, places))
 
 
 @functools.lru_cache

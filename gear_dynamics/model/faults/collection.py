@@ -1,0 +1,96 @@
+"""Any number of faults: checked, added up, and read from a file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from gear_dynamics.model.faults.fault import Fault, Operation
+from gear_dynamics.model.friction import friction_ports
+from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.ports import Ports
+from gear_dynamics.parameters.parameter import ParameterError, refuse_unknown_name
+
+
+def checked_faults(faults: Any) -> tuple[Fault, ...]:
+    """Return what must be faults.
+
+    Raises
+    ------
+    ParameterError
+        If there is anything else.
+    """
+    given = (faults,) if isinstance(faults, Fault) else faults
+    if not isinstance(given, Iterable) or isinstance(given, str):
+        raise ParameterError(f'faults is {faults!r}: it must be a list of faults')
+    listed = tuple(given)
+    for each in listed:
+        if not isinstance(each, Fault):
+            raise ParameterError(
+                f"faults has {each!r}: it must be a fault, such as gd.faults.RootCrack('pinion')"
+            )
+    return listed
+
+
+def machine_ports(
+    pair: GearPair, faults: Iterable[Fault] = (), operation: Operation | None = None
+) -> Ports:
+    """Return all departures of a machine from the nominal pair: its own, friction and faults.
+
+    Parameters
+    ----------
+    pair : GearPair
+    faults : iterable of Fault
+    operation : Operation, optional
+        The commanded operating point, for friction models and the faults that depend on it.
+
+    Raises
+    ------
+    ParameterError
+        If a fault does not fit the pair, or the faults together leave no backlash or no support.
+    """
+    operation = operation or Operation()
+    total = pair.healthy_ports + friction_ports(pair, *operation)
+    for fault in faults:
+        total = total + fault.ports(pair, operation)
+    _refuse_excess(pair, total)
+    return total
+
+
+def _refuse_excess(pair: GearPair, ports: Ports) -> None:
+    """Refuse sums of terms that leave nothing of the backlash, of a support, or of the friction."""
+    for signal, present, what in (
+        ('half_backlash', pair.half_backlash, 'half backlash [m]'),
+        ('pinion_support_stiffness', pair.pinion_support_stiffness, 'pinion support [N/m]'),
+        ('gear_support_stiffness', pair.gear_support_stiffness, 'gear support [N/m]'),
+    ):
+        taken = 0.0
+        for term in ports:
+            if getattr(term, 'signal', '') == signal:
+                offset = getattr(term, 'value', None)
+                taken += -offset if offset is not None else abs(getattr(term, 'amplitude', 0.0))
+        if taken >= present:
+            raise ParameterError(
+                f'the faults together take {taken:g} off the {what}, which is {present:g}: make '
+                'their severities smaller'
+            )
+
+
+def fault_of(values: Mapping[str, Any]) -> Fault:
+    """Return the fault that a mapping describes: `fault` has its kind, the rest are its fields.
+
+    Raises
+    ------
+    ParameterError
+        If the kind or a field is unknown, or a value is not allowed.
+    """
+    from gear_dynamics.model.faults import KINDS
+
+    given = {str(name): value for name, value in values.items()}
+    kind = given.pop('fault', None)
+    if not isinstance(kind, str):
+        raise ParameterError(f'fault is {kind!r}: it must name a fault, such as root_crack')
+    refuse_unknown_name(kind, KINDS)
+    for name in given:
+        refuse_unknown_name(name, [about.name for about in KINDS[kind].parameters()])
+    return KINDS[kind](**given)
