@@ -10,6 +10,7 @@ SHARE = f'share/{NAME}'
 # colcon build --symlink-install runs a link to this file, in a folder that lacks the rest.
 ROOT = Path(__file__).resolve().parent
 MANIFEST = ElementTree.parse(ROOT / 'package.xml')
+LIVE = ['aiohttp']
 ROS = ['ros-jazzy-rclpy[fastrtps]', 'ros-jazzy-common-interfaces']
 
 
@@ -29,7 +30,10 @@ setup(
     maintainer_email=MANIFEST.find('maintainer').get('email'),
     python_requires='>=3.10',
     packages=find_packages(include=[NAME, f'{NAME}.*']),
-    package_data={NAME: ['py.typed']},
+    package_data={
+        NAME: ['py.typed'],
+        f'{NAME}.web': ['static/*', 'static/panels/*', 'static/vendor/*'],
+    },
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (SHARE, ['package.xml']),
@@ -51,7 +55,9 @@ setup(
     extras_require={
         'ros': ROS,
         'cluster': ['dask[distributed]'],
+        'live': LIVE,
         'test': [
+            *LIVE,
             'colcon-common-extensions',
             'dask[distributed]',
             'hypothesis',
@@ -66,5 +72,5 @@ setup(
             'types-tqdm',
         ],
     },
-    zip_safe=True,
+    zip_safe=False,
 )

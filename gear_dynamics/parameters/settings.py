@@ -201,3 +201,17 @@ class ReplaySettings(ParameterSet):
             raise ParameterError(
                 "log is '': it must be a bag folder or an MCAP file, as in -p log:=PATH"
             )
+
+
+@dataclasses.dataclass(frozen=True)
+class DashboardSettings(ParameterSet):
+    """What the `dashboard` takes.
+
+    Raises
+    ------
+    ParameterError
+        If a value is out of its range.
+    """
+
+    address: str = parameter('127.0.0.1', 'address to listen on; 0.0.0.0 lets other machines in')
+    port: int = parameter(8765, 'port to listen on; 0 takes a free one', minimum=0, maximum=65535)

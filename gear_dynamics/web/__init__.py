@@ -1,0 +1,1 @@
+"""The live page in the browser; fed by results, knows no ROS."""
