@@ -1,43 +1,38 @@
-"""Online work by mesh phase: order spectrum and the synchronous averages of both wheels."""
+"""Online work by the phase of a mesh: order spectrum and synchronous averages of its wheels."""
 
 from __future__ import annotations
 
 import collections
 import math
-from collections.abc import Iterator
-from typing import NamedTuple
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from scipy import fft
 
-from gear_dynamics.machine.columns import CHANNELS
-from gear_dynamics.machine.configuration import Rig
+from gear_dynamics.monitoring.layout import MeshLayout
 from gear_dynamics.monitoring.phase_stream import AngularResampler
-from gear_dynamics.monitoring.time_tasks import SpectrumTask
-from gear_dynamics.monitoring.wheel_task import Past, WheelAverage, WheelTask
+from gear_dynamics.monitoring.spectrum_task import AveragedSpectrum
+from gear_dynamics.monitoring.task import Batch, Finding, Indicator, Task, columns_table
+from gear_dynamics.monitoring.wheel_average import INDICATORS, Harmonics, WheelAverage
 from gear_dynamics.parameters.settings import AnalyzerSettings
+from gear_dynamics.signal.synchronous import hunting_revolutions
 
 FEWEST_POINTS = 16
 MOST_POINTS = 4096
-"""Bounds of the points in a mesh cycle; a slower mesh than rate / MOST_POINTS is not tracked."""
+"""Bounds of the points in a mesh cycle; a slower mesh than rate / MOST_POINTS is not tracked, nor
+is one so fast that a cycle has fewer than FEWEST_POINTS / GREATEST_DENSITY samples."""
 
 LEAST_DENSITY = 0.9
 GREATEST_DENSITY = 4.5
-"""Points per sample for which the points in a cycle are kept: fewer would fold back what the
-samples hold, more would cost time for nothing."""
+"""Points per sample for which the points in a cycle are kept: with fewer, high orders are aliased;
+more cost time for nothing."""
+
+BACK = 'the shaft does not turn forward'
+CHANGE = 'change of speed'
 
 
-class Orders(NamedTuple):
-    """An order spectrum: sample numbers of its span, orders of the pinion, amplitudes."""
-
-    first: float
-    last: float
-    order: np.ndarray
-    amplitude: np.ndarray
-
-
-class AngleTask:
-    """Resample by phase and keep everything that counts in revolutions.
+class AngleTask(Task):
+    """Resample by the phase of a mesh; average by revolutions.
 
     Begins anew, and counts it by reason, when the speed has changed so much that the points
     in a cycle no longer suit it, when the shaft stops, and when it turns back.
@@ -45,89 +40,127 @@ class AngleTask:
     Parameters
     ----------
     settings : AnalyzerSettings
-    rig : Rig
+    layout : MeshLayout
+    wheels : sequence of int
+        Which of the mesh's wheels are averaged: 0 the driver, 1 the driven.
+    orders : bool
+        Whether the table `order_spectrum` is made, in orders of the driver.
+    rate : float
+        [Hz]
+    channels : sequence of str
     restarts : Counter
         Where each new beginning is counted.
+    harmonics : mapping of str to Harmonics
+        What NB4 keeps of each wheel; it outlives this task.
     """
 
+    name = 'averages'
+    indicators: tuple[Indicator, ...] = INDICATORS
+
     def __init__(
-        self, settings: AnalyzerSettings, rig: Rig, restarts: collections.Counter[str]
+        self,
+        settings: AnalyzerSettings,
+        layout: MeshLayout,
+        wheels: Sequence[int],
+        orders: bool,
+        rate: float,
+        channels: Sequence[str],
+        restarts: collections.Counter[str],
+        harmonics: dict[str, Harmonics],
     ) -> None:
         self._settings = settings
-        self._rig = rig
-        self._resampler: AngularResampler | None = None
+        self._layout = layout
+        self._with_wheels = wheels
+        self._with_orders = orders
+        self._rate = rate
+        self._channels = channels
         self._restarts = restarts
-        # What NA4 and NB4 know of the past outlives a change of the points in a cycle.
-        self._past = {wheel: Past() for wheel in ('pinion', 'gear')}
+        self._harmonics = harmonics
+        self._resampler: AngularResampler | None = None
+        self._wheels: list[WheelAverage] = []
 
-    def push(
-        self, channels: np.ndarray, phase: np.ndarray, first: int, gear_lead: int
-    ) -> Iterator[Orders | WheelAverage]:
-        """Take samples of all channels with their phase; yield what is complete.
-
-        Parameters
-        ----------
-        channels : ndarray, shape (n, channels)
-        phase : ndarray, shape (n,)
-            Mesh phase [cycles] counted from the pinion's zero.
-        first : int
-            Number of the first sample in the record.
-        gear_lead : int
-            Whole cycles by which the gear's own count is ahead.
-        """
+    def push(self, batch: Batch) -> Iterator[Finding]:
+        """Take the next samples; yield what is complete."""
+        name = self._layout.mesh.name
+        phase = batch.phases[name]
         if len(phase) < 2 or not np.all(np.diff(phase) > 0):
-            self._stop('the shaft does not turn forward')
+            self._stop(BACK)
             return
         cycles_per_sample = float(phase[-1] - phase[0]) / (len(phase) - 1)
         if not self._suits(cycles_per_sample):
-            self._stop('change of speed')
-            self._start(cycles_per_sample, gear_lead)
+            self._stop(CHANGE)
+            self._start(cycles_per_sample, batch.leads[name])
         if self._resampler is None:
             return
-        numbers = np.arange(first, first + len(channels), dtype=float)
-        tick, rows = self._resampler.push(np.column_stack([channels, numbers]), phase)
+        numbers = np.arange(batch.first, batch.first + len(phase), dtype=float)
+        tick, rows = self._resampler.push(np.column_stack([batch.channels, numbers]), phase)
         if len(rows):
-            yield from self._orders(rows)
+            if self._with_orders:
+                yield from self._orders(rows)
             for wheel in self._wheels:
-                yield from wheel.push(tick, rows)
+                yield from wheel.push(tick, rows, batch.bin)
+            self._expect(cycles_per_sample)
+
+    def restart(self) -> None:
+        """Begin the averages anew; the order spectrum, which has no limits, goes on."""
+        for wheel in self._wheels:
+            wheel.restart()
+
+    def _expect(self, cycles_per_sample: float) -> None:
+        z1, z2 = self._layout.teeth
+        period = hunting_revolutions(z1, z2) * z1 / cycles_per_sample / self._rate
+        self.seconds = max(
+            min(period, self._settings.average_longest), self._settings.average_duration
+        )
 
     def _suits(self, cycles_per_sample: float) -> bool:
         if self._resampler is None:
             return False
-        points = self._resampler.points
-        density = points * cycles_per_sample
-        return density >= LEAST_DENSITY and (density <= GREATEST_DENSITY or points == FEWEST_POINTS)
+        density = self._resampler.points * cycles_per_sample
+        return LEAST_DENSITY <= density <= GREATEST_DENSITY
 
     def _stop(self, reason: str) -> None:
         if self._resampler is not None:
             self._restarts[reason] += 1
         self._resampler = None
+        self._wheels = []
+        self.seconds = 0.0
 
-    def _start(self, cycles_per_sample: float, gear_lead: int) -> None:
+    def _start(self, cycles_per_sample: float, lead: int) -> None:
         points = max(1 << math.ceil(math.log2(1 / cycles_per_sample)), FEWEST_POINTS)
-        if points > MOST_POINTS:
+        if points > MOST_POINTS or points * cycles_per_sample > GREATEST_DENSITY:
             return
         self._resampler = AngularResampler(points)
-        z1, z2 = self._rig.pinion_teeth, self._rig.gear_teeth
-        self._per_revolution = points * z1
+        self._per_revolution = points * self._layout.teeth[0]
         length = self._per_revolution * self._settings.order_revolutions
-        self._spectrum = SpectrumTask(self._settings, length, len(CHANNELS))
+        if self._with_orders:
+            self._spectrum = AveragedSpectrum(self._settings, length, len(self._channels))
         self._marks: list[tuple[int, float]] = []
         self._points_done = 0
-        longest = self._settings.average_longest * self._rig.sample_rate
-        columns = len(CHANNELS) + 1
-        self._wheels = (
-            WheelTask('pinion', z1, z2, points, 0, columns, longest, self._past['pinion']),
-            WheelTask('gear', z2, z1, points, gear_lead, columns, longest, self._past['gear']),
-        )
+        self._wheels = [
+            WheelAverage(
+                self._layout.wheels[side],
+                (self._layout.teeth[side], self._layout.teeth[1 - side]),
+                points,
+                lead * side,
+                self._channels,
+                (
+                    self._settings.average_duration * self._rate,
+                    self._settings.average_longest * self._rate,
+                ),
+                self._harmonics.setdefault(self._layout.wheels[side], {}),
+            )
+            for side in self._with_wheels
+        ]
 
-    def _orders(self, rows: np.ndarray) -> Iterator[Orders]:
+    def _orders(self, rows: np.ndarray) -> Iterator[Finding]:
         self._marks.append((self._points_done, float(rows[0, -1])))
         self._points_done += len(rows)
         ends = [*self._marks, (self._points_done - 1, float(rows[-1, -1]))]
-        for first, count, amplitude in self._spectrum.push(rows[:, :-1]):
+        for first, amplitude in self._spectrum.push(rows[:, :-1]):
             points, numbers = zip(*ends, strict=True)
-            start, last = np.interp([first, first + count - 1], points, numbers)
+            start, last = np.interp([first, first + self._spectrum.span - 1], points, numbers)
             order = fft.rfftfreq(self._spectrum.length, 1 / self._per_revolution)
-            yield Orders(float(start), float(last), order, amplitude)
+            table = columns_table('order', order, self._channels, amplitude)
+            yield Finding(float(start), float(last - start + 1), tables={'order_spectrum': table})
             self._marks = [mark for mark in self._marks if mark[0] >= first]

@@ -1,4 +1,4 @@
-"""The exact section from the messages of events, in batches of messages that follow each other."""
+"""Batches of the events of successive blocks."""
 
 from __future__ import annotations
 
@@ -7,12 +7,11 @@ from typing import NamedTuple
 import numpy as np
 
 from gear_dynamics.machine.columns import EVENTS
-from gear_dynamics.machine.configuration import Rig
 from gear_dynamics.monitoring.gaps import Order, StampCheck
 from gear_dynamics.monitoring.results import Span
 
 BATCH = 0.02
-"""Seconds of events that are worked on at once."""
+"""Seconds of events that are processed at once."""
 
 
 class EventBatch(NamedTuple):
@@ -28,23 +27,25 @@ class EventBatch(NamedTuple):
 
 
 class EventBatches:
-    """Puts the events of successive blocks together; no batch reaches across a gap.
+    """Joins the events of successive blocks; no batch reaches across a gap.
 
     Parameters
     ----------
-    rig : Rig
-        Its block size and sample rate tell which message follows which.
+    block_size : int
+        Samples in a block.
+    rate : float
+        [Hz]
     """
 
-    def __init__(self, rig: Rig) -> None:
-        self._block = rig.block_size
-        self._check = StampCheck(rig.sample_rate)
-        self._seconds = rig.block_size / rig.sample_rate
+    def __init__(self, block_size: int, rate: float) -> None:
+        self._block = block_size
+        self._check = StampCheck(rate)
+        self._seconds = block_size / rate
         self._start_ns = 0
         self._rows: list[np.ndarray] = []
 
     def push(self, stamp_ns: int, rows: np.ndarray) -> tuple[Order, list[EventBatch]]:
-        """Take the events of a block, dtype EVENTS; return how it follows, and what is complete.
+        """Take the events of a block, dtype EVENTS; return its order and the complete batches.
 
         The events of a block that goes back are not taken.
         """

@@ -5,7 +5,7 @@ from __future__ import annotations
 import enum
 
 SAME_TIME = 0.25
-"""Share of a sample by which a stamp may miss its place; stamps are whole nanoseconds."""
+"""Fraction of a sample by which a stamp may miss its place; stamps are whole nanoseconds."""
 
 
 class Order(enum.Enum):
@@ -19,7 +19,7 @@ class Order(enum.Enum):
 
 
 class StampCheck:
-    """Say of each block whether it is the next one, from stamps counted in samples.
+    """Check whether each block is the next one, from stamps counted in samples.
 
     A block that goes back in time is not to be used. A stream that has gone back and then runs
     on in order for `patience` seconds is taken to be a new one: a log that is played again.
@@ -41,7 +41,7 @@ class StampCheck:
         self.missing = 0
 
     def check(self, stamp_ns: int, width: int) -> Order:
-        """Take the next block's stamp [ns] and number of samples; tell how it follows.
+        """Take the next block's stamp [ns] and number of samples; return its order.
 
         After a GAP, `missing` is the number of samples that are missing.
         """

@@ -1,4 +1,4 @@
-"""The online analysis of a rig without ROS: blocks and events in, results out.
+"""The online analysis of a machine without ROS: blocks and events in, results out.
 
 The same engine serves a live stream and a log: fed the same messages in the same order, it
 gives the same results.
@@ -7,19 +7,24 @@ gives the same results.
 from __future__ import annotations
 
 import collections
-import dataclasses
 
 import numpy as np
 
-from gear_dynamics.machine.columns import CHANNELS, EVENTS, EventKind
 from gear_dynamics.machine.configuration import Rig
-from gear_dynamics.monitoring.blocks import BlockError, checked_columns
+from gear_dynamics.monitoring.baseline import Baseline, BaselineError, machine_text
+from gear_dynamics.monitoring.blocks import BlockError, checked_columns, checked_events
+from gear_dynamics.monitoring.catalogue import Catalogue
 from gear_dynamics.monitoring.event_section import EventBatch, EventBatches
 from gear_dynamics.monitoring.gaps import Order, StampCheck
-from gear_dynamics.monitoring.poincare import SECTION, poincare_points, section_from_events
-from gear_dynamics.monitoring.record import EXACT, Record
+from gear_dynamics.monitoring.health import Health
+from gear_dynamics.monitoring.judge import Judge
+from gear_dynamics.monitoring.layout import Layout
+from gear_dynamics.monitoring.motion_task import event_points
+from gear_dynamics.monitoring.operating import OperatingState
+from gear_dynamics.monitoring.record import Record
 from gear_dynamics.monitoring.results import Result, TableResult
-from gear_dynamics.monitoring.thresholds import Thresholds
+from gear_dynamics.monitoring.thresholds import Change, Thresholds
+from gear_dynamics.monitoring.wheel_average import Harmonics
 from gear_dynamics.parameters.settings import AnalyzerSettings
 from gear_dynamics.signal.interpolation import HALF_WIDTH, interpolate
 
@@ -29,46 +34,15 @@ PATIENCE = 1.0
 AHEAD = 500
 """Batches of events that may wait for their samples; of more the oldest is forgotten."""
 
+SAVE_EVERY = 10.0
+"""Seconds of stream from one writing of a changed baseline to the next."""
 
-@dataclasses.dataclass
-class Health:
-    """Counters of what came in.
-
-    Attributes
-    ----------
-    configured : bool
-        Whether the rig is known.
-    blocks : int
-        Blocks analysed.
-    waiting : int
-        Blocks that came before the configuration.
-    gaps, missing : int
-        Gaps between blocks, and samples missing in them.
-    restarts : Counter
-        Times that the analysis, or a part of it, began anew, by reason.
-    dropped : Counter
-        Messages that were not used, by kind of fault.
-    last_fault : str
-        The latest reason for which a message was dropped.
-    """
-
-    configured: bool = False
-    blocks: int = 0
-    waiting: int = 0
-    gaps: int = 0
-    missing: int = 0
-    restarts: collections.Counter[str] = dataclasses.field(default_factory=collections.Counter)
-    dropped: collections.Counter[str] = dataclasses.field(default_factory=collections.Counter)
-    last_fault: str = ''
-
-    def drop(self, kind: str, reason: str) -> None:
-        """Count a message that is not used."""
-        self.dropped[kind] += 1
-        self.last_fault = reason
+STARVES = 2.0
+"""Spans of a task without a result, beyond the settling time, after which it starves."""
 
 
 class Monitor:
-    """Analyses the stream of one rig.
+    """Analyses the stream of one machine.
 
     Parameters
     ----------
@@ -79,30 +53,82 @@ class Monitor:
 
     def __init__(self, settings: AnalyzerSettings, thresholds: Thresholds) -> None:
         self._settings = settings
-        self._thresholds = thresholds
-        self._rig: Rig | None = None
+        self._layout: Layout | None = None
         self._record: Record | None = None
         self._check: StampCheck | None = None
         self._since_events = 0.0
         self._events: EventBatches | None = None
         self._ahead: collections.deque[EventBatch] = collections.deque(maxlen=AHEAD)
+        self._operating = OperatingState(settings)
+        self._judge = Judge(thresholds, Baseline(settings.learn_spans))
+        self._harmonics: dict[str, Harmonics] = {}
+        self._fed: dict[str, float] = {}
+        self._saved = 0.0
         self.health = Health()
 
-    def configure(self, rig: Rig) -> None:
-        """Learn of the rig; a change of what the record rests on begins a new one."""
-        old, self._rig = self._rig, rig
+    def configure(self, machine: Rig | Layout) -> None:
+        """Take the machine; a change beyond scales of the motion begins a new record.
+
+        Raises
+        ------
+        ValueError
+            If the machine is impossible; the monitor goes on with the one it knows.
+        """
+        layout = machine if isinstance(machine, Layout) else Layout.of_rig(machine)
+        old, self._layout = self._layout, layout
         self.health.configured = True
-        if old is None or old.sample_rate != rig.sample_rate:
-            self._check = StampCheck(rig.sample_rate)
-        if old is not None and _basis(old) == _basis(rig):
+        if old is None or old.sample_rate != layout.sample_rate:
+            self._check = StampCheck(layout.sample_rate)
+        self._use_baseline(layout)
+        if old is not None and old.same_record(layout):
             if self._record is not None:
-                self._record.use(rig)
+                self._record.use(layout)
             return
-        self._events = EventBatches(rig)
+        self._events = EventBatches(layout.block_size, layout.sample_rate)
         self._ahead.clear()
         if self._record is not None:
             self._record = None
             self.health.restarts['change of the rig'] += 1
+
+    def _use_baseline(self, layout: Layout) -> None:
+        machine = machine_text(layout.machine, layout.sample_rate)
+        if self._judge.baseline.machine == machine:
+            return
+        self.save()
+        baseline = Baseline(self._settings.learn_spans, machine)
+        self.health.baseline = ''
+        if self._settings.baseline:
+            try:
+                baseline.load(self._settings.baseline)
+            except BaselineError as error:
+                self.health.baseline = str(error)
+        self._judge.baseline = baseline
+        self._judge.forget()
+        self._harmonics.clear()
+
+    def learn(self) -> None:
+        """Begin to learn what is normal anew, in all operating bins."""
+        self._judge.baseline.forget()
+        self._judge.forget()
+        self._harmonics.clear()
+
+    def acknowledge(self) -> None:
+        """Take all alarm levels back to OK, and forget when faults were first seen."""
+        self._judge.thresholds.acknowledge()
+        self._judge.forget()
+
+    def take_changes(self) -> list[Change]:
+        """Return the changes of alarm levels since the last call, each once."""
+        return self._judge.thresholds.take_changes()
+
+    def save(self) -> None:
+        """Write what was learned to the baseline's file, if there is one and it is ours."""
+        baseline = self._judge.baseline
+        if self._settings.baseline and baseline.changed and not self.health.baseline:
+            try:
+                baseline.save(self._settings.baseline)
+            except OSError as error:
+                self.health.baseline = f'{self._settings.baseline}: {error.strerror}'
 
     def add_block(self, stamp_ns: int, rows: np.ndarray) -> list[Result]:
         """Take a block of samples; return the results that it completes.
@@ -114,13 +140,13 @@ class Monitor:
         stamp_ns : int
             Header stamp [ns].
         rows : ndarray
-            Structured, with the columns of `samples`.
+            Structured, with the columns of the machine's channels, angles and load.
         """
-        if self._rig is None or self._check is None:
+        if self._layout is None or self._check is None:
             self.health.waiting += 1
             return []
         try:
-            values = checked_columns(rows, self._rig.sample_rate)
+            values = checked_columns(rows, self._layout)
         except BlockError as error:
             self.health.drop(error.kind, str(error))
             return []
@@ -134,22 +160,22 @@ class Monitor:
             self._begin(order, stamp_ns)
         assert self._record is not None
         self.health.blocks += 1
-        self._since_events += len(values) / self._rig.sample_rate
+        self._since_events += len(values) / self._layout.sample_rate
         results += self._record.add_block(values, self._since_events > PATIENCE)
-        return results + self._section_of_record()
+        results += self._events_of_record()
+        self._look_after(self._record, results)
+        return results
 
     def add_events(self, stamp_ns: int, rows: np.ndarray) -> list[Result]:
         """Take the events of a block; return the results that they complete."""
-        if self._rig is None or self._events is None:
+        if self._layout is None or self._events is None:
             return []
-        missing = [name for name in EVENTS.names or () if name not in (rows.dtype.names or ())]
-        if missing:
-            self.health.drop('events', f'the events have no column {", ".join(missing)}')
+        try:
+            events = checked_events(rows)
+        except BlockError as error:
+            self.health.drop('events', f'events: {error}')
             return []
-        if not all(np.isfinite(rows[name]).all() for name in SECTION.names or ()):
-            self.health.drop('events', 'the events have a value that is not finite')
-            return []
-        order, batches = self._events.push(stamp_ns, rows[list(EVENTS.names or ())])
+        order, batches = self._events.push(stamp_ns, events)
         if order is Order.BACK:
             self.health.drop('events', f'stamp {stamp_ns} ns of events goes back')
             return []
@@ -159,47 +185,63 @@ class Monitor:
         if order is Order.RESTART:
             self._ahead.clear()
         self._ahead.extend(batches)
-        results = [each for batch in batches for each in self._points(batch, self._rig)]
-        return results + self._section_of_record()
+        results = [each for batch in batches for each in self._points(batch, self._layout)]
+        results += self._events_of_record()
+        if self._record is not None:
+            self._look_after(self._record, results)
+        return results
 
-    def _points(self, batch: EventBatch, rig: Rig) -> list[Result]:
-        kind = EventKind.SECTION if self._settings.section == 'phase' else EventKind.DRIVE_LOST
-        points = section_from_events(batch.events, kind)
-        if not len(points):
-            return []
-        table = poincare_points(points, rig.half_backlash, rig.wn)
-        return [TableResult('poincare', batch.span, table)]
+    def _points(self, batch: EventBatch, layout: Layout) -> list[Result]:
+        meshes = [mesh.mesh for mesh in layout.meshes if mesh.has_motion]
+        tables = [event_points(batch, self._settings.section, mesh) for mesh in meshes[:1]]
+        return [TableResult('poincare', batch.span, table) for table in tables if len(table)]
 
-    def _section_of_record(self) -> list[Result]:
-        """Judge the events whose samples the record holds; those of another are passed over."""
+    def _events_of_record(self) -> list[Result]:
+        """Pass on the events whose samples the record holds; those of another are skipped."""
         results: list[Result] = []
         record = self._record
         while record is not None and self._ahead and self._ahead[0].end_ns <= record.end_ns:
             batch = self._ahead.popleft()
-            section = section_from_events(batch.events)
-            if batch.span.start_ns >= record.start_ns and len(section):
-                section['t'] += (batch.span.start_ns - record.start_ns) / 1e9
-                results += record.add_section(section, EXACT)
+            if batch.span.start_ns >= record.start_ns:
+                results += record.add_events(batch)
         return results
 
     def _begin(self, order: Order, stamp_ns: int) -> None:
-        assert self._rig is not None
+        assert self._layout is not None
         assert self._check is not None
         if order in (Order.GAP, Order.RESTART):
             self.health.restarts[order.value] += 1
         if order is Order.GAP:
             self.health.gaps += 1
             self.health.missing += self._check.missing
+        else:
+            self._operating.restart()
+        tasks = Catalogue(self._settings, self._layout, self.health.restarts, self._harmonics)
         self._record = Record(
-            self._settings, self._rig, self._thresholds, stamp_ns, self.health.restarts
+            self._layout, tasks.factories(), self._judge, self._operating, self.health, stamp_ns
         )
 
-
-def _basis(rig: Rig) -> Rig:
-    """Return the rig with what may change in the midst of a record made equal."""
-    return dataclasses.replace(rig, wn=1.0, half_backlash=1.0)
+    def _look_after(self, record: Record, results: list[Result]) -> None:
+        """Keep the counters of what was learned and of what starves; save the baseline."""
+        health = self.health
+        now = health.seconds
+        if results:
+            health.bins = self._judge.baseline.bins
+        for slot in record.slots:
+            if slot.fed:
+                self._fed[slot.name] = now
+                slot.fed = False
+            waited = now - self._fed.setdefault(slot.name, now)
+            wanted = STARVES * slot.task.seconds + self._settings.settling_time
+            if slot.task.seconds and waited > wanted:
+                health.starving[slot.name] = health.restarts.last or 'its span was never complete'
+            else:
+                health.starving.pop(slot.name, None)
+        if now - self._saved > SAVE_EVERY:
+            self._saved = now
+            self.save()
 
 
 def warm_up() -> None:
     """Compile or load what the first block would otherwise have to wait for."""
-    interpolate(np.zeros((2 * HALF_WIDTH + 1, len(CHANNELS) + 1)), np.array([HALF_WIDTH - 0.5]))
+    interpolate(np.zeros((2 * HALF_WIDTH + 1, 2)), np.array([HALF_WIDTH - 0.5]))

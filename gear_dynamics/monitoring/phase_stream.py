@@ -3,46 +3,53 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
+from gear_dynamics.monitoring.layout import AngleTrack
 from gear_dynamics.signal.interpolation import HALF_WIDTH, interpolate
 
 
 class PhaseStream:
-    """Unwraps the angles of a stream into the mesh phase of the rigid pair.
+    """Unwraps the angles of a mesh into its phase.
+
+    With two angles the phase is that of the rigid pair, as `order_tracking.mesh_phase` defines it.
 
     Parameters
     ----------
-    pinion_teeth, gear_teeth : int
-    pinion_weight : float
-        As `order_tracking.mesh_phase` takes it.
+    tracks : sequence of AngleTrack
+        One or two.
+    weight : float
+        Weight of the first track's phase against the second's.
     """
 
-    def __init__(self, pinion_teeth: int, gear_teeth: int, pinion_weight: float) -> None:
-        self._teeth = np.array([pinion_teeth, gear_teeth], dtype=float)
-        self._weight = pinion_weight
+    def __init__(self, tracks: Sequence[AngleTrack], weight: float) -> None:
+        self._revolution = np.array([track.revolution for track in tracks])
+        self._cycles = np.array([track.cycles for track in tracks])
+        self._weights = np.array([weight, 1 - weight]) if len(tracks) == 2 else np.ones(1)
         self._last: np.ndarray | None = None
-        self._turned = np.zeros(2)
-        self.gear_lead = 0
+        self._turned = np.zeros(len(tracks))
+        self.lead = 0
 
-    def push(self, pinion_angle: np.ndarray, gear_angle: np.ndarray) -> np.ndarray:
-        """Take the next angles [rad]; return the phase [cycles], counted from the pinion's zero.
+    def push(self, angles: np.ndarray) -> np.ndarray:
+        """Take the next angles, one column a track; return the phase [cycles].
 
-        `gear_lead` is the whole number of cycles by which the gear's own count is ahead.
+        The phase counts from the zero of the first angle. `lead` is the number of complete cycles
+        by which the second angle's own count is ahead.
         """
-        angles = np.stack([pinion_angle, gear_angle], axis=1)
+        angles = angles / self._revolution
         if self._last is None:
-            self._last = angles[0]
-            self._turned = angles[0]
-            lead = angles[0] / (2 * math.pi) * self._teeth
-            self.gear_lead = round(float(lead[1] - lead[0]))
+            self._last = self._turned = angles[0]
+            counts = angles[0] * self._cycles
+            self.lead = round(float(counts[-1] - counts[0]))
         steps = np.diff(angles, axis=0, prepend=self._last[np.newaxis])
-        steps -= 2 * math.pi * np.round(steps / (2 * math.pi))
+        steps -= np.round(steps)
         turned = self._turned + np.cumsum(steps, axis=0)
         self._last, self._turned = angles[-1], turned[-1]
-        phases = turned / (2 * math.pi) * self._teeth
-        return (phases[:, 0] * self._weight) + (phases[:, 1] - self.gear_lead) * (1 - self._weight)
+        phases = turned * self._cycles
+        phases[:, 1:] -= self.lead
+        return phases @ self._weights
 
 
 class AngularResampler:
@@ -68,7 +75,7 @@ class AngularResampler:
         first : int
             The first of the rows returned is at phase first / points.
         rows : ndarray, shape (m, columns)
-            All that can be told so far, once each.
+            All that are complete so far, once each.
         """
         if self._rows is not None:
             rows = np.concatenate([self._rows, rows])

@@ -1,4 +1,4 @@
-"""What the online analysis hands out; every result says what span it was computed on."""
+"""What the monitor returns; every result holds the span that it was computed on."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from gear_dynamics.monitoring.thresholds import Level, Thresholds
+from gear_dynamics.monitoring.thresholds import Level
 
 
 @dataclasses.dataclass(frozen=True)
@@ -61,33 +61,6 @@ Result = TableResult | ConditionResult
 
 
 def span_of_table(table: TableResult) -> ConditionResult:
-    """Return a row that tells the duration of a table, which has no place for it."""
+    """Return a row with the duration of a table, which has no column for it."""
     row = ConditionRow(table.name, Level.OK, f'span of {len(table.rows)} rows', {}, {})
     return ConditionResult(table.span, (row,))
-
-
-def condition_row(
-    subject: str,
-    values: Mapping[str, float],
-    thresholds: Thresholds,
-    notes: Mapping[str, str] | None = None,
-    message: str = 'within its limits',
-) -> ConditionRow:
-    """Return a row with the worst level of its values, and those beyond their limits named."""
-    levels = {name: thresholds.level(subject, name, value) for name, value in values.items()}
-    worst = max(levels.values(), default=Level.OK)
-    if worst:
-        raised = [name for name, level in levels.items() if level == worst]
-        message = ', '.join(f'{name} {values[name]:.3g}' for name in raised) + ': beyond the limit'
-    return ConditionRow(subject, worst, message, values, notes or {})
-
-
-def columns_table(
-    first: str, axis: np.ndarray, channels: tuple[str, ...], values: np.ndarray
-) -> np.ndarray:
-    """Return a float32 table of an axis and one column a channel."""
-    rows = np.empty(len(axis), [(name, np.float32) for name in (first, *channels)])
-    rows[first] = axis
-    for index, channel in enumerate(channels):
-        rows[channel] = values[:, index]
-    return rows

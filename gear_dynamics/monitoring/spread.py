@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 MOST = 65536
-"""Batches that are kept; of a longer stretch the last ones tell the spread."""
+"""Batches that are kept; of a longer stretch the last ones count."""
 
 
 class Spread:
@@ -37,14 +37,16 @@ class Spread:
             del self._ends[0], self._sums[0]
 
     def over(self, start: float, end: float) -> tuple[float, float]:
-        """Return both standard deviations over the batches that hold the times start to end [s]."""
+        """Return both standard deviations over the batches from start to end [s]."""
         first = bisect.bisect_right(self._ends, start)
         last = bisect.bisect_left(self._ends, end) + 1
+        if first >= min(last, len(self._sums)):
+            return 0.0, 0.0
         count, total, square, rate_square = np.sum(self._sums[first:last], axis=0).tolist()
         variance = max(square / count - (total / count) ** 2, 0.0)
         return math.sqrt(variance), math.sqrt(rate_square / count)
 
     def forget(self, before: float) -> None:
-        """Let go of the batches that end before a time [s]."""
+        """Forget the batches that end before a time [s]."""
         first = bisect.bisect_right(self._ends, before)
         del self._ends[:first], self._sums[:first]

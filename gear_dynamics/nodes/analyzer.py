@@ -14,8 +14,9 @@ from std_msgs.msg import Float64, String
 
 from gear_dynamics.config_files import config_file
 from gear_dynamics.machine.configuration import Rig
+from gear_dynamics.machine.rig import rig_machine
+from gear_dynamics.monitoring.catalogue import check_names
 from gear_dynamics.monitoring.monitor import Monitor, warm_up
-from gear_dynamics.monitoring.names import check_names
 from gear_dynamics.monitoring.results import ConditionResult, Result, TableResult, span_of_table
 from gear_dynamics.monitoring.thresholds import ThresholdError, Thresholds
 from gear_dynamics.nodes.analyzer_health import AnalyzerHealth
@@ -41,6 +42,9 @@ from gear_dynamics.wire.tables import Table, TableError, decode_table, encode_ta
 ABOUT = 'Analyses the stream of gear_pair/samples and logs the topics of the rig to MCAP.'
 
 FRAME = 'line_of_action'
+
+_RIG = rig_machine(34, 59, 1.0, 1.0, 1.0, 1.0)
+"""Names of channels and wheels, before a configuration tells the rest."""
 
 TABLES = ('spectrum', 'envelope_spectrum', 'order_spectrum', 'poincare')
 
@@ -69,6 +73,7 @@ class Analyzer:
     def close(self) -> None:
         """Publish the last diagnostics and finish the log."""
         self._diagnostics.close()
+        self._monitor.save()
         self._log.close()
 
     def _make_publishers(self, settings: AnalyzerSettings) -> None:
@@ -201,7 +206,7 @@ def _thresholds(file: Path) -> Thresholds:
 
 def _check_names(where: str, names: Iterable[str]) -> None:
     try:
-        check_names(names)
+        check_names(names, _RIG)
     except ValueError as error:
         raise ParameterError(f'{where}: {error}') from error
 

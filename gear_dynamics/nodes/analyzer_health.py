@@ -6,7 +6,7 @@ import contextlib
 import time
 from collections.abc import Iterator
 
-from gear_dynamics.monitoring.monitor import Health
+from gear_dynamics.monitoring.health import Health
 from gear_dynamics.nodes.diagnostics import Level, Report
 
 SILENCE = 2.0

@@ -116,6 +116,13 @@ class AnalyzerSettings(ParameterSet):
         minimum=0.1,
         maximum=3600.0,
     )
+    average_duration: float = parameter(
+        3.0,
+        'record of a synchronous average: as many whole hunting-tooth periods as it holds, or one',
+        unit='s',
+        minimum=0.1,
+        maximum=3600.0,
+    )
     statistics_duration: float = parameter(
         1.0,
         'record of RMS, peak, kurtosis, envelope and contact',
@@ -147,6 +154,23 @@ class AnalyzerSettings(ParameterSet):
         minimum=1e-9,
         maximum=1.0,
     )
+    steady_speed: float = parameter(
+        0.005, 'fraction by which speed may change in steady operation', minimum=1e-6, maximum=1.0
+    )
+    steady_load: float = parameter(
+        0.02, 'fraction by which load may change in steady operation', minimum=1e-6, maximum=1.0
+    )
+    settling_time: float = parameter(
+        0.5,
+        'time after a change of speed or load before results are judged again',
+        unit='s',
+        minimum=0.0,
+        maximum=3600.0,
+    )
+    learn_spans: int = parameter(
+        5, 'results in steady operation that make the baseline of a bin', minimum=2, maximum=1000
+    )
+    baseline: str = parameter('', 'file that keeps what is normal; empty keeps it in memory')
     thresholds: str = parameter('', "file of alarm limits; empty takes the package's own")
     indicators: list[str] = parameter(  # noqa: RUF009 (makes a default factory)
         ['mesh_force/rms', 'gear_ay/rms', 'gear_ay/kurtosis'],

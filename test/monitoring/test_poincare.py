@@ -3,13 +3,13 @@ import pytest
 
 from gear_dynamics.machine.columns import EVENTS, EventKind
 from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.monitoring.contact_state import contact_state
 from gear_dynamics.monitoring.poincare import (
     poincare_points,
     section_by_contact_loss,
     section_by_phase,
     section_from_events,
 )
-from gear_dynamics.monitoring.rattle import rattle
 from gear_dynamics.signal.order_tracking import mesh_phase, pinion_inertia_share
 from gear_dynamics.simulation.simulator import Simulator
 
@@ -62,7 +62,7 @@ def test_section_of_events_takes_one_kind():
 
 
 @pytest.mark.parametrize(
-    ('amplitude', 'share', 'words'),
+    ('amplitude', 'share', 'text'),
     [
         # delta = 1.5 + A cos over b = 1: out of contact for acos(0.5 / A) / pi of the time
         (0.4, 0.0, 'no impacts'),
@@ -71,11 +71,11 @@ def test_section_of_events_takes_one_kind():
         (5.0, (np.arccos(-0.5) - np.arccos(-0.1)) / np.pi, 'double-sided'),
     ],
 )
-def test_rattle_of_a_sine(amplitude, share, words):
+def test_contact_of_a_sine(amplitude, share, text):
     t = np.arange(100_001) / 100_000
-    found = rattle(1.5 + amplitude * np.cos(2 * np.pi * 10 * t), 1.0)
+    found = contact_state(1.5 + amplitude * np.cos(2 * np.pi * 10 * t), 1.0)
     assert found.out_of_contact == pytest.approx(share, abs=1e-6)
-    assert found.words.startswith(words)
+    assert found.text.startswith(text)
     assert found.losses == (0 if amplitude < 0.5 else 10)
     assert found.back_impacts == (10 if amplitude > 2.5 else 0)
 

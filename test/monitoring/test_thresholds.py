@@ -22,8 +22,11 @@ def test_a_channels_own_limit_goes_before_that_of_all():
     assert thresholds.level('b', 'peak', 3) is Level.OK
 
 
-def test_not_a_number_is_ok():
-    assert Thresholds({'*/fm4': Limit(1, 2)}).level('a', 'fm4', math.nan) is Level.OK
+def test_not_a_number_holds_the_level():
+    thresholds = Thresholds({'*/fm4': Limit(1, 2)})
+    assert thresholds.level('a', 'fm4', math.nan) is Level.OK
+    assert thresholds.level('a', 'fm4', 3) is Level.ERROR
+    assert thresholds.level('a', 'fm4', math.nan) is Level.ERROR
 
 
 def test_the_packages_own_file_is_good():
@@ -34,11 +37,11 @@ def test_the_packages_own_file_is_good():
     ('text', 'words'),
     [
         ('limits: [', 'is not YAML: line '),
-        ('- 1', 'must be a mapping of hysteresis and limits'),
-        ('limit: {}', 'must be a mapping of hysteresis and limits'),
+        ('- 1', 'must be a mapping of limits and'),
+        ('limit: {}', 'must be a mapping of limits and'),
         ('hysteresis: 1.5', 'hysteresis is 1.5'),
-        ('limits: {rms: {warn: 1}}', "'rms' must be named CHANNEL/NAME"),
-        ('limits: {a/rms: 3}', 'a/rms must be a mapping of warn and error'),
+        ('limits: {rms: {warn: 1}}', "'rms' must be named SUBJECT/NAME"),
+        ('limits: {a/rms: 3}', 'a/rms must be a mapping of warn, error'),
         ('limits: {a/rms: {warn: x}}', "a/rms warn is 'x'"),
         ('limits: {a/rms: {warn: 3, error: 2}}', 'warn 3 is above error 2'),
     ],

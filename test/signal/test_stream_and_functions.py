@@ -78,4 +78,6 @@ def test_synchronous_average(record, wheel, teeth, revolutions):
         'na4': indicators.RunningKurtosis().add(parts.residual),
     }
     for name, value in expected.items():
-        assert row.values[f'{wheel}_{name}'] == pytest.approx(float(value), rel=1e-6), name
+        assert row.values[f'{wheel}_{name}'] == pytest.approx(float(value), rel=1e-6, abs=1e-8), (
+            name
+        )

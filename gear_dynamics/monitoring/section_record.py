@@ -1,4 +1,4 @@
-"""Online work on the Poincaré section: the points, and the regime they show."""
+"""Collects the states of a Poincaré section into records, and finds the regime of each."""
 
 from __future__ import annotations
 
@@ -15,34 +15,38 @@ from gear_dynamics.monitoring.poincare import SECTION
 Scale = Callable[[float, float], tuple[float, float]]
 
 STEADY = 0.005
-"""Share by which the mesh frequency may change over a record that is judged."""
+"""Fraction by which the mesh frequency may change over a record that is judged."""
 
 CHANGING = 'not judged: the speed is changing'
+CONSTANT = 'not judged: the displacement does not vary'
+
+LEAST = 1e-30
+"""Standard deviation of delta [m] or delta_dot [m/s] that counts as none."""
 
 
-class Motion(NamedTuple):
+class SectionVerdict(NamedTuple):
     """The regime over a record of successive section states.
 
     Attributes
     ----------
     start, end : float
         Times of the first and the last state [s].
-    words : str
+    text : str
         Regime, or why there is none.
     cycle_rate : float
         Mesh frequency [Hz].
     regime : Regime or None
-        None if the speed was changing.
+        None if the speed was changing or the displacement constant.
     """
 
     start: float
     end: float
-    words: str
+    text: str
     cycle_rate: float
     regime: Regime | None
 
 
-class SectionTask:
+class SectionRecord:
     """Collects the states of successive mesh cycles and judges each full record of them.
 
     Parameters
@@ -67,7 +71,7 @@ class SectionTask:
         """Time of the first state of the record that is being collected [s]."""
         return float(self._states['t'][0]) if self._filled else -math.inf
 
-    def push(self, section: np.ndarray, scale: Scale) -> list[Motion]:
+    def push(self, section: np.ndarray, scale: Scale) -> list[SectionVerdict]:
         """Take states, dtype SECTION; return the records completed.
 
         A state that is not one cycle after the one before begins a new record.
@@ -99,17 +103,21 @@ class SectionTask:
     def _follows(self, cycle: float) -> bool:
         return abs(cycle - self._states['cycle'][self._filled - 1] - 1) <= 0.5
 
-    def _judge(self, scale: Scale) -> Motion:
+    def _judge(self, scale: Scale) -> SectionVerdict:
         t = self._states['t']
         start, end = float(t[0]), float(t[-1])
+        if not end > start:
+            return SectionVerdict(start, end, CHANGING, math.nan, None)
         cycle_rate = (len(t) - 1) / (end - start)
         quarter = len(t) // 4
         early, late = t[quarter] - t[0], t[-1] - t[-1 - quarter]
         if abs(early - late) > STEADY * early:
-            return Motion(start, end, CHANGING, cycle_rate, None)
-        delta, delta_dot = (max(each, np.finfo(float).tiny) for each in scale(start, end))
+            return SectionVerdict(start, end, CHANGING, cycle_rate, None)
+        delta, delta_dot = scale(start, end)
+        if not (delta > LEAST and delta_dot > LEAST):
+            return SectionVerdict(start, end, CONSTANT, cycle_rate, None)
         states = np.column_stack(
             [self._states['delta'] / delta, self._states['delta_dot'] / delta_dot]
         )
         found = regime(states, cycle_rate, self._tolerance)
-        return Motion(start, end, found.words, cycle_rate, found)
+        return SectionVerdict(start, end, found.words, cycle_rate, found)

@@ -1,0 +1,72 @@
+"""What the average of a wheel means: whether one of its teeth stands out, and which."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from gear_dynamics.monitoring.task import Indicator
+from gear_dynamics.signal.statistics import rms
+from gear_dynamics.signal.synchronous import Parts
+from gear_dynamics.signal.teeth import tooth_energy
+
+CHANCE = 1e-4
+"""Chance of a healthy wheel below which a channel counts as a witness against a tooth."""
+
+LEAST_ENERGY = 3e-4
+"""Mean square of the difference signal at that tooth, over that of the regular signal: less is the
+remainder of slow changes of speed and load."""
+
+LOCAL_FAULT = 0.5
+"""Agreement from which a tooth is named."""
+
+TEETH_ALIKE = 'the teeth are alike'
+
+INDICATORS = (
+    Indicator('local_fault', '', 'how sure a local fault of the wheel is, 0 to 1'),
+    Indicator('tooth', '', 'tooth that stands out most, counted from 0'),
+)
+"""Of a wheel."""
+
+
+class LocalFault(NamedTuple):
+    """A tooth that stands out.
+
+    Attributes
+    ----------
+    sure : float
+        Fraction of the channels with a difference signal in which this tooth or one beside it
+        stands out from the others.
+    tooth : int
+        From 0; that of the strongest witness if there is no fault.
+    """
+
+    sure: float
+    tooth: int
+
+
+def local_fault(parts: Parts, teeth: int, there: np.ndarray) -> LocalFault:
+    """Return the tooth that stands out in most channels.
+
+    Parameters
+    ----------
+    parts : Parts
+        Of the wheel's average, shape (points, channels).
+    teeth : int
+    there : ndarray of bool
+        Channels with a difference signal.
+    """
+    found = tooth_energy(parts.difference, teeth)
+    strongest = np.take_along_axis(found.energy, found.tooth[np.newaxis], axis=0)[0]
+    large = strongest >= LEAST_ENERGY * rms(parts.regular) ** 2
+    witness = there & large & (found.chance < CHANCE)
+    best = int(np.argmax(np.where(there, found.score, -np.inf)))
+    if not witness.any():
+        return LocalFault(0.0, int(found.tooth[best]))
+    # Teeth beside each other are one fault: the pair is in mesh for more than one cycle.
+    named = found.tooth[witness]
+    apart = np.abs((named[:, np.newaxis] - named + teeth // 2) % teeth - teeth // 2)
+    votes = (apart <= 1).sum(axis=1)
+    tooth = int(named[np.argmax(votes)])
+    return LocalFault(float(votes.max()) / int(there.sum()), tooth)
