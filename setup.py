@@ -68,6 +68,7 @@ setup(
             'pytest-timeout',
             'pytest-xdist',
             'ruff',
+            'scikit-fem',
             'types-PyYAML',
             'types-tqdm',
         ],
