@@ -10,6 +10,7 @@ SHARE = f'share/{NAME}'
 # colcon build --symlink-install runs a link to this file, in a folder that lacks the rest.
 ROOT = Path(__file__).resolve().parent
 MANIFEST = ElementTree.parse(ROOT / 'package.xml')
+DATA = ['pandas', 'pyarrow', 'h5py', 'npTDMS', 'pyuff']
 LIVE = ['aiohttp']
 ROS = ['ros-jazzy-rclpy[fastrtps]', 'ros-jazzy-common-interfaces']
 
@@ -54,9 +55,11 @@ setup(
     ],
     extras_require={
         'ros': ROS,
+        'data': DATA,
         'cluster': ['dask[distributed]'],
         'live': LIVE,
         'test': [
+            *DATA,
             *LIVE,
             'colcon-common-extensions',
             'dask[distributed]',

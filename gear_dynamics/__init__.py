@@ -12,9 +12,11 @@ if TYPE_CHECKING:
     from gear_dynamics import dynamics, signal, study
     from gear_dynamics.bag.reader import read_log
     from gear_dynamics.machine.columns import EventKind
+    from gear_dynamics.machine.machine import Machine
     from gear_dynamics.model import faults
     from gear_dynamics.model.gear_pair import GearPair
     from gear_dynamics.parameters.parameter import ParameterError
+    from gear_dynamics.recordings.analyse import analyse
     from gear_dynamics.run_figure import plot
     from gear_dynamics.simulation.batch import simulate_batch
     from gear_dynamics.simulation.run import Run
@@ -27,10 +29,12 @@ __all__ = [
     'EventKind',
     'GearPair',
     'IntegrationError',
+    'Machine',
     'ParameterError',
     'Run',
     'Simulator',
     '__version__',
+    'analyse',
     'dynamics',
     'faults',
     'plot',
@@ -45,10 +49,12 @@ _MODULES = {
     'EventKind': 'machine.columns',
     'GearPair': 'model.gear_pair',
     'IntegrationError': 'simulation.simulator',
+    'Machine': 'machine.machine',
     'ParameterError': 'parameters.parameter',
     'Run': 'simulation.run',
     'Simulator': 'simulation.simulator',
     '__version__': 'versions',
+    'analyse': 'recordings.analyse',
     'plot': 'run_figure',
     'read_log': 'bag.reader',
     'simulate': 'simulation.simulate',

@@ -10,6 +10,7 @@ import importlib
 from typing import Any
 
 _EXPORTS = {
+    'bearing': ('envelope_orders', 'find_defect'),
     'decimation': ('Decimator', 'lowpass_taps'),
     'demodulation': (
         *('Band', 'envelope', 'envelope_spectrum', 'kurtogram', 'most_impulsive_band'),
@@ -25,10 +26,15 @@ _EXPORTS = {
         *('mesh_phase', 'order_spectrum', 'pinion_inertia_share', 'resample_by_phase'),
     ),
     'segments': ('SegmentBuffer', 'hop_of'),
+    'shaft_phase': (
+        *('ShaftPhase', 'phase_from_angle', 'phase_from_constant', 'phase_from_pulses'),
+        'phase_from_speed',
+    ),
     'spectrum': (
         *('PowerAverage', 'amplitude_spectrum', 'amplitudes', 'mean_square_lines'),
         'window_samples',
     ),
+    'speed_tracking': ('track_speed',),
     'statistics': (
         *('Moments', 'crest_factor', 'kurtosis', 'normalised_moment', 'peak', 'rms', 'skewness'),
         'std',
@@ -37,6 +43,7 @@ _EXPORTS = {
         *('Parts', 'below_order', 'hunting_revolutions', 'other_wheel_leakage', 'separate'),
         'synchronous_average',
     ),
+    'tacho': ('repair_pulses', 'rising_edges', 'trigger_level'),
     'teeth': ('ToothEnergy', 'tooth_energy'),
 }
 _HOMES = {name: module for module, names in _EXPORTS.items() for name in names}

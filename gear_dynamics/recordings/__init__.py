@@ -1,0 +1,1 @@
+"""Recordings of real machines: readers of common file formats, and their analysis."""

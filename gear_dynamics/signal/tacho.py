@@ -1,0 +1,113 @@
+"""Pulses of a tachometer: their instants, missing and spurious ones, and the angle they give."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+def trigger_level(x: np.ndarray) -> float:
+    """Return the value half-way between the lowest and the highest of a pulse signal."""
+    return float((np.min(x) + np.max(x)) / 2)
+
+
+def rising_edges(x: np.ndarray, level: float, hysteresis: float) -> np.ndarray:
+    """Return where a signal rises through a level, in samples, interpolated linearly.
+
+    A Schmitt trigger: after an edge the signal must fall below `level` - `hysteresis` before the
+    next one counts, so that noise at the level makes no second edge.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+    level, hysteresis : float
+        In the unit of x.
+
+    Returns
+    -------
+    ndarray
+        Rising, from 0 to n - 1.
+    """
+    state = np.zeros(len(x), np.int8)
+    state[x >= level] = 1
+    state[x < level - hysteresis] = -1
+    # Between the two thresholds the trigger keeps its state.
+    places = np.where(state != 0, np.arange(len(x)), 0)
+    state = state[np.maximum.accumulate(places)]
+    edges = np.flatnonzero((state[1:] == 1) & (state[:-1] == -1)) + 1
+    # The state turns at the first sample at or above the level.
+    before = x[edges - 1]
+    return edges - 1 + (level - before) / np.where(x[edges] > before, x[edges] - before, 1.0)
+
+
+class Pulses(NamedTuple):
+    """Instants of pulses after repair.
+
+    Attributes
+    ----------
+    instants : ndarray
+        Rising, in the unit given.
+    numbers : ndarray of int
+        Which pulse each is: it rises by more than 1 over missing ones.
+    missing, spurious : int
+        Pulses that were bridged, and that were left out.
+    """
+
+    instants: np.ndarray
+    numbers: np.ndarray
+    missing: int
+    spurious: int
+
+
+TOLERANCE = 0.3
+"""Relative difference of an interval from its neighbours that is a change of speed."""
+
+
+def repair_pulses(instants: np.ndarray) -> Pulses:
+    """Return pulses without spurious ones, numbered over missing ones.
+
+    An interval is compared with the median of those around it. Of a pulse too many the one that
+    splits an interval least evenly with its surroundings is left out.
+
+    Parameters
+    ----------
+    instants : ndarray, shape (n,)
+        Rising.
+    """
+    instants = np.asarray(instants, dtype=float)
+    kept = [0] if len(instants) else []
+    spurious = 0
+    expected = _expected_intervals(instants)
+    for index in range(1, len(instants)):
+        interval = instants[index] - instants[kept[-1]]
+        if interval < (1 - TOLERANCE) * expected[index]:
+            # Too early: it is one too many, unless the one before was.
+            spurious += 1
+            if len(kept) >= 2 and _fits_better(instants, kept, index, expected[index]):
+                kept[-1] = index
+            continue
+        kept.append(index)
+    good = instants[kept]
+    steps = np.ones(max(len(good) - 1, 0), dtype=int)
+    if len(good) > 2:
+        wanted = _expected_intervals(good)[1:]
+        steps = np.maximum(np.round(np.diff(good) / wanted).astype(int), 1)
+    numbers = np.concatenate([[0], np.cumsum(steps)])[: len(good)]
+    return Pulses(good, numbers, int((steps - 1).sum()), spurious)
+
+
+def _fits_better(instants: np.ndarray, kept: list[int], index: int, expected: float) -> bool:
+    before = instants[kept[-2]]
+    return abs(instants[index] - before - expected) < abs(instants[kept[-1]] - before - expected)
+
+
+def _expected_intervals(instants: np.ndarray, around: int = 7) -> np.ndarray:
+    """Return for each instant the median of the intervals around it."""
+    intervals = np.diff(instants, prepend=instants[0] if len(instants) else 0.0)
+    if len(instants) < 3:
+        return intervals
+    intervals[0] = intervals[1]
+    half = around // 2
+    padded = np.pad(intervals, half, mode='reflect' if len(intervals) > half else 'edge')
+    return np.median(np.lib.stride_tricks.sliding_window_view(padded, around), axis=1)
