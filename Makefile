@@ -14,7 +14,7 @@ unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 # Many tests wait for a stream: two at a time fill two cores.
 PYTEST := -m pytest --numprocesses 2 --dist worksteal
 
-.PHONY: demo quick test test-oldest readme
+.PHONY: demo quick test test-oldest fuzz readme
 .DEFAULT_GOAL := demo
 
 demo: $(VENV)/ros
@@ -35,6 +35,12 @@ test: $(VENV)/test
 	@$(VENV)/bin/ruff format --quiet --check
 	@$(VENV)/bin/mypy
 	@$(VENV)/bin/python $(PYTEST) --cov --cov-report=term:skip-covered
+
+# Random damage to logs, messages, texts, commands and streams: EXAMPLES of each kind.
+EXAMPLES ?= 20000
+
+fuzz: $(VENV)/test
+	@FUZZ_EXAMPLES=$(EXAMPLES) $(VENV)/bin/python -m pytest --quiet --timeout=0 test/fuzz
 
 # What Ubuntu 24.04 ships, with the tests that need no ROS.
 test-oldest: $(OLDEST)/test
