@@ -76,7 +76,7 @@ def readings(data):
         return rows, lost, bool(caught)
 
 
-@pytest.mark.parametrize('original', [*OURS, *OTHERS[1:]], ids=range(5))
+@pytest.mark.parametrize('original', [*OURS, *OTHERS], ids=range(6))
 def test_sound_logs_are_read_without_a_warning(original):
     rows, lost, warned = readings(original)
     assert len(rows) == 6 * bag_support.BLOCK
