@@ -73,6 +73,16 @@ def announced(what: str, say: Callable[[str], object]) -> Iterator[None]:
 
 
 @contextlib.contextmanager
+def compiling(what: str, say: Callable[[str], object]) -> Iterator[None]:
+    """Announce that `what` is compiled if that takes long; SIGINT and SIGTERM end it at once.
+
+    Nothing that needs closing may be open yet.
+    """
+    with announced(what, say), interruptible():
+        yield
+
+
+@contextlib.contextmanager
 def interruptible() -> Iterator[None]:
     """Let SIGINT and SIGTERM end a program at once: for compiling, while nothing is open."""
     came = False

@@ -1,4 +1,4 @@
-"""Write into README.md what the code says: the parameter tables and the example.
+"""Write into README.md and docs/interfaces.md what the code says: parameters, topics, example.
 
 Usage: python tools/readme.py
 """
@@ -7,9 +7,18 @@ from pathlib import Path
 
 from gear_dynamics.parameters.files import NODES
 from gear_dynamics.parameters.parameter import Parameter, Value
+from gear_dynamics.wire.topics import (
+    EVENTS_TOPIC,
+    ORDER_SPECTRUM,
+    POINCARE,
+    SAMPLES,
+    SPECTRUM,
+    TOPICS,
+    Topic,
+)
 
 ROOT = Path(__file__).resolve().parents[1]
-README = ROOT / 'README.md'
+FILES = (ROOT / 'README.md', ROOT / 'docs' / 'interfaces.md')
 HEAD = ['| name | default | range | unit | live | what it is |', '|---|---|---|---|---|---|']
 
 
@@ -30,14 +39,61 @@ def example() -> str:
     return f'```python\n{(ROOT / "examples" / "listen.py").read_text(encoding="utf-8")}```'
 
 
+def overview() -> str:
+    """Return a line for each topic."""
+    rows = [f'| `{each.name}` | {_short(each.type_name)} | {each.about} |' for each in TOPICS]
+    return '\n'.join(['| topic | type | what |', '|---|---|---|', *rows])
+
+
+def topics(publisher: str) -> str:
+    """Return what a node publishes; '' stands for topics that several programs publish."""
+    rows = [
+        f'| `{each.name}` | {_short(each.type_name)} | {each.qos.words()} | {each.rate} '
+        f'| {"yes" if each.logged else ""} | {each.about} |'
+        for each in TOPICS
+        if each.publisher == publisher
+    ]
+    head = ['| topic | type | QoS | rate | logged | what |', '|---|---|---|---|---|---|']
+    return '\n'.join([*head, *rows])
+
+
+def columns(topic: Topic) -> str:
+    """Return the columns of a table."""
+    rows = [
+        f'| `{each.name}` | {each.type} | {each.unit} | {each.about} |' for each in topic.columns
+    ]
+    return '\n'.join(['| column | type | unit | what |', '|---|---|---|---|', *rows])
+
+
+PARTS = {
+    'parameters': table,
+    'example': example,
+    'topics': overview,
+    'topics of gear_sim': lambda: topics('gear_sim'),
+    'topics of gear_analyzer': lambda: topics('gear_analyzer'),
+    'topics of several': lambda: topics(''),
+    'columns of samples': lambda: columns(SAMPLES),
+    'columns of events': lambda: columns(EVENTS_TOPIC),
+    'columns of spectrum': lambda: columns(SPECTRUM),
+    'columns of order_spectrum': lambda: columns(ORDER_SPECTRUM),
+    'columns of poincare': lambda: columns(POINCARE),
+}
+"""What can stand between the marks of a file, by name."""
+
+
 def filled(text: str) -> str:
-    """Return the README's text with what stands between the marks brought up to date."""
-    for name, content in {'parameters': table(), 'example': example()}.items():
+    """Return a text with what stands between its marks brought up to date."""
+    for name, content in PARTS.items():
         begin, end = f'<!-- {name}: written by make readme -->', f'<!-- end of {name} -->'
-        before, _, rest = text.partition(begin)
-        _, _, after = rest.partition(end)
-        text = f'{before}{begin}\n{content}\n{end}{after}'
+        if begin in text:
+            before, _, rest = text.partition(begin)
+            _, _, after = rest.partition(end)
+            text = f'{before}{begin}\n{content()}\n{end}{after}'
     return text
+
+
+def _short(type_name: str) -> str:
+    return type_name.replace('/msg/', '/')
 
 
 def _row(about: Parameter) -> str:
@@ -65,4 +121,5 @@ def _text(value: Value) -> str:
 
 
 if __name__ == '__main__':
-    README.write_text(filled(README.read_text(encoding='utf-8')), encoding='utf-8')
+    for file in FILES:
+        file.write_text(filled(file.read_text(encoding='utf-8')), encoding='utf-8')

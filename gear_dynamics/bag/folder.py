@@ -11,6 +11,9 @@ from pathlib import Path
 from gear_dynamics.bag.mcap_file import CHUNK_SIZE, McapFile
 from gear_dynamics.bag.metadata import FileSummary, Topic, sync_folder, write_metadata
 
+FOLDER_NAME = 'gear_log'
+"""Begins the name of a log's folder."""
+
 
 class LogStopped(Exception):
     """Logging cannot go on for now; the message says why."""
@@ -66,12 +69,20 @@ class BagFolder:
         'none', 'lz4' or 'zstd'.
     limits : Limits
         Splitting and disk space.
+    name : str
+        Begins the name of the folder.
     """
 
     def __init__(
-        self, directory: Path, configuration: Mapping[str, str], compression: str, limits: Limits
+        self,
+        directory: Path,
+        configuration: Mapping[str, str],
+        compression: str,
+        limits: Limits,
+        name: str = FOLDER_NAME,
     ) -> None:
         self.directory = directory
+        self._name = name
         self.path: Path | None = None
         self._configuration = dict(configuration)
         self._compression = compression
@@ -130,7 +141,7 @@ class BagFolder:
             self._finished = [f for f in self._finished if (self.path / f.name).exists()]
             return self.path
         self.directory.mkdir(parents=True, exist_ok=True)
-        name = time.strftime('gear_log_%Y_%m_%d-%H_%M_%S')
+        name = self._name + time.strftime('_%Y_%m_%d-%H_%M_%S')
         path, number = self.directory / name, 1
         while True:
             try:

@@ -21,6 +21,7 @@ from gear_dynamics.bag.source import (
     Segment,
 )
 from gear_dynamics.wire.messages import MessageError, header_stamp
+from gear_dynamics.wire.topics import DIAGNOSTICS
 
 LogPath = str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
 
@@ -229,7 +230,13 @@ def is_samples(topic: str) -> bool:
 
 
 def message_time(message: ReadMessage) -> int:
-    """Return the time that a message tells of [ns]: its header stamp or its publish time."""
+    """Return the time that a message tells of [ns], on the time scale of the stream.
+
+    It is the header stamp, or else the publish time. Diagnostics bear the time of the clock in
+    their header, so that their publish time counts.
+    """
+    if message.channel.topic == DIAGNOSTICS.name:
+        return message.publish_time
     try:
         stamp = header_stamp(message.data, message.channel.type_name)
     except MessageError:

@@ -11,6 +11,7 @@ from typing import Any
 import yaml
 
 from gear_dynamics.wire.messages import message_type
+from gear_dynamics.wire.topics import Qos
 
 METADATA_FILE = 'metadata.yaml'
 
@@ -19,25 +20,8 @@ _FOREVER = {'sec': 9223372036, 'nsec': 854775807}
 
 
 @dataclasses.dataclass(frozen=True)
-class OfferedQos:
-    """The quality of service with which a topic was published.
-
-    Attributes
-    ----------
-    depth : int
-        Length of the history.
-    reliability : str
-        'reliable' or 'best_effort'.
-    durability : str
-        'volatile' or 'transient_local'.
-    history : str
-        'keep_last' or 'keep_all'.
-    """
-
-    depth: int = 10
-    reliability: str = 'reliable'
-    durability: str = 'volatile'
-    history: str = 'keep_last'
+class OfferedQos(Qos):
+    """The quality of service with which a topic was published, as rosbag2 writes it."""
 
     def profile(self) -> dict[str, Any]:
         """Return the nine keys that rosbag2 asks for, policies as words."""

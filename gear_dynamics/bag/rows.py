@@ -14,7 +14,8 @@ from gear_dynamics.bag.log import printable
 from gear_dynamics.bag.source import LogChannel, LogError
 from gear_dynamics.machine.columns import SAMPLE_COLUMNS, SAMPLES
 from gear_dynamics.wire.messages import MessageError, deserialize, message_class
-from gear_dynamics.wire.tables import TABLE_TYPE, decode_table
+from gear_dynamics.wire.tables import decode_table
+from gear_dynamics.wire.topics import TABLE_TYPE
 
 MOST_VALUES = 4096
 """Values in a message that can become columns of a row."""

@@ -12,7 +12,7 @@ from types import TracebackType
 from typing import Any, NamedTuple
 
 from gear_dynamics.bag.chunk_builder import COMPRESSIONS
-from gear_dynamics.bag.folder import BagFolder, Limits, LogDeleted, LogStopped
+from gear_dynamics.bag.folder import FOLDER_NAME, BagFolder, Limits, LogDeleted, LogStopped
 from gear_dynamics.bag.metadata import OfferedQos, Topic, published_topic
 
 SYNC_INTERVAL = 0.4
@@ -93,6 +93,8 @@ class LogWriter:
         'none', 'lz4' or 'zstd', applied per chunk.
     split_size, split_duration, total_cap, free_floor : float
         See `Limits`.
+    name : str
+        Begins the name of the folder.
 
     Raises
     ------
@@ -109,13 +111,14 @@ class LogWriter:
         split_duration: float = Limits.split_duration,
         total_cap: float = Limits.total_cap,
         free_floor: float = Limits.free_floor,
+        name: str = FOLDER_NAME,
     ) -> None:
         if compression not in COMPRESSIONS:
             raise ValueError(
                 f'compression is {compression!r}: it must be one of {", ".join(COMPRESSIONS)}'
             )
         limits = Limits(split_size, split_duration, total_cap, free_floor)
-        self._folder = BagFolder(Path(directory), configuration, compression, limits)
+        self._folder = BagFolder(Path(directory), configuration, compression, limits, name)
         self._topics: dict[tuple[str, str, OfferedQos], Topic] = {}
         self._queue: collections.deque[_Message | _Change] = collections.deque()
         self._queued_bytes = 0

@@ -32,6 +32,11 @@ class Rig:
     pinion_inertia, gear_inertia : float
         Polar inertias, by which the angles of both wheels give the rotation of the rigid pair
         [kg m2].
+    real_time_factor : float
+        Pace of the sim; 0 is as fast as its listeners allow.
+    replay_pass : int
+        How often the log is being played, if the stream is a log in a loop: stamps begin anew with
+        each pass.
     """
 
     pinion_teeth: int
@@ -43,6 +48,8 @@ class Rig:
     section_phase: float
     pinion_inertia: float
     gear_inertia: float
+    real_time_factor: float = 1.0
+    replay_pass: int = 1
 
     @property
     def machine(self) -> Machine:
@@ -81,6 +88,8 @@ class Rig:
             section_phase=_number(parameters, 'section_phase'),
             pinion_inertia=_positive(derived, 'pinion_inertia'),
             gear_inertia=_positive(derived, 'gear_inertia'),
+            real_time_factor=_number({'real_time_factor': 1.0, **parameters}, 'real_time_factor'),
+            replay_pass=_count({'pass': 1, **_replay(content)}, 'pass'),
         )
 
 
@@ -89,6 +98,10 @@ def _part(content: Any, name: str) -> Mapping[str, Any]:
     if not isinstance(part, Mapping):
         raise ValueError(f'the configuration has no mapping {name}')
     return part
+
+
+def _replay(content: Mapping[str, Any]) -> Mapping[str, Any]:
+    return _part(content, 'replay') if 'replay' in content else {}
 
 
 def _number(values: Mapping[str, Any], name: str) -> float:

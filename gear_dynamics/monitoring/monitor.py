@@ -90,6 +90,22 @@ class Monitor:
             self._record = None
             self.health.restarts['change of the rig'] += 1
 
+    def begin_again(self, reason: str) -> list[Result]:
+        """End the record since the stamps of the stream begin anew; return its last results.
+
+        No block is dropped for a stamp that goes back then.
+        """
+        if self._layout is None:
+            return []
+        self._check = StampCheck(self._layout.sample_rate)
+        self._events = EventBatches(self._layout.block_size, self._layout.sample_rate)
+        self._ahead.clear()
+        record, self._record = self._record, None
+        if record is None:
+            return []
+        self.health.restarts[reason] += 1
+        return record.flush()
+
     def _use_baseline(self, layout: Layout) -> None:
         machine = machine_text(layout.machine, layout.sample_rate)
         if self._judge.baseline.machine == machine:

@@ -58,9 +58,3 @@ class ConditionResult:
 
 
 Result = TableResult | ConditionResult
-
-
-def span_of_table(table: TableResult) -> ConditionResult:
-    """Return a row with the duration of a table, which has no column for it."""
-    row = ConditionRow(table.name, Level.OK, f'span of {len(table.rows)} rows', {}, {})
-    return ConditionResult(table.span, (row,))

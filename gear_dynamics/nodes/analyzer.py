@@ -2,51 +2,53 @@
 
 from __future__ import annotations
 
+import functools
 import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile
-from sensor_msgs.msg import PointCloud2
-from std_msgs.msg import Float64, String
+from std_msgs.msg import Float64
 
+from gear_dynamics.compiling import compiling
 from gear_dynamics.config_files import config_file
 from gear_dynamics.machine.configuration import Rig
 from gear_dynamics.machine.rig import rig_machine
 from gear_dynamics.monitoring.catalogue import check_names
 from gear_dynamics.monitoring.monitor import Monitor, warm_up
-from gear_dynamics.monitoring.results import ConditionResult, Result, TableResult, span_of_table
+from gear_dynamics.monitoring.results import ConditionResult, Result, TableResult
 from gear_dynamics.monitoring.thresholds import ThresholdError, Thresholds
 from gear_dynamics.nodes.analyzer_health import AnalyzerHealth
-from gear_dynamics.nodes.analyzer_log import (
-    CONDITION,
-    LATCHED,
-    NUMBER,
-    STREAM,
-    TABLE,
-    TEXT,
-    AnalyzerLog,
-)
-from gear_dynamics.nodes.compiling import compiling
+from gear_dynamics.nodes.analyzer_log import AnalyzerLog
 from gear_dynamics.nodes.condition import condition_bytes
 from gear_dynamics.nodes.diagnostics import Diagnostics
 from gear_dynamics.nodes.parameters import NodeParameters
 from gear_dynamics.nodes.run import run_node
+from gear_dynamics.nodes.topics import listen, publisher
 from gear_dynamics.parameters.parameter import ParameterError
 from gear_dynamics.parameters.settings import AnalyzerSettings
 from gear_dynamics.wire.messages import MessageError, deserialize
 from gear_dynamics.wire.tables import Table, TableError, decode_table, encode_table
+from gear_dynamics.wire.topics import (
+    CONDITION,
+    CONFIGURATION,
+    DIAGNOSTICS,
+    EVENTS_TOPIC,
+    FRAME,
+    INDICATOR,
+    SAMPLES,
+    TABLES,
+    TOPICS,
+    Topic,
+    with_duration,
+)
+
+NAME = 'gear_analyzer'
 
 ABOUT = 'Analyses the stream of gear_pair/samples and logs the topics of the rig to MCAP.'
 
-FRAME = 'line_of_action'
-
 _RIG = rig_machine(34, 59, 1.0, 1.0, 1.0, 1.0)
 """Names of channels and wheels, before a configuration tells the rest."""
-
-TABLES = ('spectrum', 'envelope_spectrum', 'order_spectrum', 'poincare')
 
 
 class Analyzer:
@@ -60,11 +62,13 @@ class Analyzer:
         _check_names('indicators', settings.indicators)
         self._monitor = Monitor(settings, thresholds)
         # Whatever must be compiled or loaded is, before the first block can come.
-        with compiling(node, 'the analysis'):
+        with compiling('the analysis', node.get_logger().info):
             warm_up()
         self._log = AnalyzerLog(node, settings, file.read_text(encoding='utf-8'))
         self._health = AnalyzerHealth(self._monitor.health)
         self._drops = 0
+        self._rate = float('inf')
+        self._pass = 1
         self._make_publishers(settings)
         tasks = {'stream': self._health.stream, 'log': self._log.report}
         self._diagnostics = Diagnostics(node, tasks)
@@ -79,79 +83,80 @@ class Analyzer:
     def _make_publishers(self, settings: AnalyzerSettings) -> None:
         node = self._node
         self._subject_prefix = node.resolve_topic_name('gear_pair').lstrip('/')
-        self._tables = {
-            name: node.create_publisher(PointCloud2, f'gear_pair/{name}', 10) for name in TABLES
-        }
-        self._condition = node.create_publisher(DiagnosticArray, 'gear_pair/condition', 10)
+        self._tables = {topic.name: publisher(node, topic) for topic in TABLES}
+        self._topics = {topic.name: topic for topic in TABLES}
+        self._condition = publisher(node, CONDITION)
         self._indicators = {
-            name: node.create_publisher(Float64, f'gear_pair/indicators/{name}', 10)
+            name: publisher(node, INDICATOR, f'gear_pair/indicators/{name}')
             for name in settings.indicators
         }
 
     def _subscribe(self) -> None:
-        node = self._node
-        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        # A sim that runs as fast as its listeners allow waits for those that keep all; what is
-        # kept has a bound in the middleware, 5000 blocks.
-        stream = QoSProfile(history=HistoryPolicy.KEEP_ALL)
-        node.create_subscription(
-            String, 'gear_pair/configuration', self._on_configuration, latched, raw=True
-        )
-        node.create_subscription(PointCloud2, 'gear_pair/samples', self._on_block, stream, raw=True)
-        node.create_subscription(PointCloud2, 'gear_pair/events', self._on_events, stream, raw=True)
-        for name in ('speed', 'torque'):
-            self._log_only(Float64, f'gear_pair/cmd/{name}', NUMBER)
-        node.create_subscription(
-            DiagnosticArray, '/diagnostics', self._on_diagnostics, 100, raw=True
-        )
-
-    def _log_only(self, message_type: type, topic: str, type_name: str) -> None:
-        def take(data: bytes) -> None:
-            self._log.write(topic, type_name, data)
-
-        self._node.create_subscription(message_type, topic, take, 100, raw=True)
+        handlers = {
+            CONFIGURATION: self._on_configuration,
+            SAMPLES: self._on_block,
+            EVENTS_TOPIC: self._on_events,
+            DIAGNOSTICS: self._on_diagnostics,
+        }
+        for topic in TOPICS:
+            if topic.logged and topic.publisher != NAME:
+                take = handlers.get(topic) or functools.partial(self._log.write, topic)
+                # A sim that runs as fast as its listeners allow waits for those that keep all.
+                listen(self._node, topic, take, keep_all=topic in (SAMPLES, EVENTS_TOPIC))
 
     def _on_diagnostics(self, data: bytes) -> None:
         try:
-            stamp = deserialize(data, CONDITION).header.stamp
+            statuses = deserialize(data, DIAGNOSTICS.type_name).status
         except MessageError as error:
             self._monitor.health.drop('diagnostics', f'/diagnostics: {error}')
             return
-        stamp_ns = max(stamp.sec, 0) * 1_000_000_000 + stamp.nanosec
-        self._log.write('/diagnostics', CONDITION, data, stamp_ns)
+        # All rigs publish on this topic; a log holds what is said of its own.
+        namespace = self._node.get_namespace().strip('/')
+        if any(_namespace(status.name) == namespace for status in statuses):
+            self._log.write(DIAGNOSTICS, data)
 
     def _on_configuration(self, data: bytes) -> None:
-        self._log.write('gear_pair/configuration', TEXT, data, qos=LATCHED)
         try:
-            text = deserialize(data, TEXT).data
-            self._monitor.configure(Rig.from_text(text))
+            text = deserialize(data, CONFIGURATION.type_name).data
+            rig = Rig.from_text(text)
+            self._configure(rig)
         except (MessageError, ValueError) as error:
             self._node.get_logger().error(f'gear_pair/configuration: {error}')
-            return
-        self._log.configure(text)
+        else:
+            self._log.keep_all = rig.real_time_factor == 0
+            self._log.configure(text)
+        self._log.write(CONFIGURATION, data)
+
+    def _configure(self, rig: Rig) -> None:
+        if rig.replay_pass != self._pass:
+            self._pass = rig.replay_pass
+            self._publish(self._monitor.begin_again('replay begins again'))
+        self._monitor.configure(rig)
+        self._rate = rig.sample_rate
 
     def _on_block(self, data: bytes) -> None:
         with self._health.block():
-            table = self._decoded('gear_pair/samples', data)
+            table = self._decoded(SAMPLES, data)
             if table is not None:
+                self._log.stream_reached(table.stamp_ns, len(table.rows) / self._rate)
                 self._publish(self._monitor.add_block(table.stamp_ns, table.rows))
             self._warn_of_drops()
 
     def _on_events(self, data: bytes) -> None:
-        table = self._decoded('gear_pair/events', data)
+        table = self._decoded(EVENTS_TOPIC, data)
         if table is not None:
             self._publish(self._monitor.add_events(table.stamp_ns, table.rows))
         self._warn_of_drops()
 
-    def _decoded(self, topic: str, data: bytes) -> Table | None:
+    def _decoded(self, topic: Topic, data: bytes) -> Table | None:
         """Log the bytes, and return the table that they hold."""
         try:
             table = decode_table(data)
         except TableError as error:
-            self._monitor.health.drop('no table', f'{topic}: {error}')
-            self._log.write(topic, TABLE, data, qos=STREAM)
+            self._monitor.health.drop('no table', f'{topic.name}: {error}')
+            self._log.write(topic, data)
             return None
-        self._log.write(topic, TABLE, data, table.stamp_ns, STREAM)
+        self._log.write(topic, data, table.stamp_ns)
         return table
 
     def _warn_of_drops(self) -> None:
@@ -172,20 +177,26 @@ class Analyzer:
                 self._publish_condition(result)
 
     def _publish_table(self, result: TableResult) -> None:
-        data = encode_table(result.rows, result.span.start_ns, FRAME)
-        self._tables[result.name].publish(data)
-        self._log.write(f'gear_pair/{result.name}', TABLE, data, result.span.start_ns)
-        self._publish_condition(span_of_table(result))
+        name, span = f'gear_pair/{result.name}', result.span
+        rows = with_duration(result.rows, span.duration)
+        data = encode_table(rows, span.start_ns, FRAME)
+        self._tables[name].publish(data)
+        self._log.write(self._topics[name], data, span.start_ns)
 
     def _publish_condition(self, result: ConditionResult) -> None:
         data = condition_bytes(result, self._subject_prefix)
         self._condition.publish(data)
-        self._log.write('gear_pair/condition', CONDITION, data, result.span.start_ns)
+        self._log.write(CONDITION, data, result.span.start_ns)
         for row in result.rows:
             for name, value in row.values.items():
                 publisher = self._indicators.get(f'{row.subject}/{name}')
                 if publisher is not None:
                     publisher.publish(Float64(data=value))
+
+
+def _namespace(status: str) -> str:
+    """Return the namespace of the node that a status is of, as 'rig1' of 'rig1/gear_sim: pace'."""
+    return status.partition(':')[0].strip('/').rpartition('/')[0]
 
 
 def _threshold_file(path: str) -> Path:
@@ -213,7 +224,7 @@ def _check_names(where: str, names: Iterable[str]) -> None:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the node until it is told to stop; return the exit code."""
-    return run_node('gear_analyzer', ABOUT, (AnalyzerSettings,), Analyzer, argv)
+    return run_node(NAME, ABOUT, (AnalyzerSettings,), Analyzer, argv)
 
 
 if __name__ == '__main__':

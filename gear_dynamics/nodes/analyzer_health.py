@@ -53,8 +53,8 @@ class AnalyzerHealth:
             'missing_samples': health.missing,
             **{f'restarts: {reason}': count for reason, count in health.restarts.items()},
             **{f'dropped: {kind}': count for kind, count in health.dropped.items()},
-            'slowest_block_s': self._slowest,
-            'busy_s': self._busy,
+            'slowest_block [s]': self._slowest,
+            'busy [s]': self._busy,
         }
         self._slowest = 0.0
         if new_drops:

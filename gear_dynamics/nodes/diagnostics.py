@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 import enum
+import time
 from collections.abc import Callable, Mapping
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.clock import Clock, ClockType
 from rclpy.duration import Duration
 from rclpy.node import Node
+
+from gear_dynamics.nodes.topics import publisher
+from gear_dynamics.wire.topics import DIAGNOSTICS
 
 PERIOD = 1.0
 """Time between two messages [s]."""
@@ -50,7 +54,7 @@ class Diagnostics:
         self._node = node
         self._tasks = dict(tasks)
         self._prefix = node.get_fully_qualified_name().lstrip('/')
-        self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', 10)
+        self._publisher = publisher(node, DIAGNOSTICS)
         # A timer on ROS time would stall when that clock is set back.
         clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._timer = node.create_timer(PERIOD, self.publish, clock=clock)
@@ -58,7 +62,9 @@ class Diagnostics:
     def publish(self) -> None:
         """Publish one message now."""
         message = DiagnosticArray()
-        message.header.stamp = self._node.get_clock().now().to_msg()
+        # Under use_sim_time this clock stands at 0 until /clock comes.
+        now = self._node.get_clock().now().nanoseconds or time.time_ns()
+        message.header.stamp.sec, message.header.stamp.nanosec = divmod(now, 1_000_000_000)
         message.status = [self._status(name, task()) for name, task in self._tasks.items()]
         self._publisher.publish(message)
 

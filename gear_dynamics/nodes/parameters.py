@@ -47,6 +47,7 @@ class NodeParameters:
         self._lists = tuple(lists)
         self._about = {about.name: about for each in lists for about in each.parameters()}
         self._listeners: list[Callable[[frozenset[str]], None]] = []
+        self._mirroring = False
         names = node.list_parameters([], ListParameters.Request.DEPTH_RECURSIVE).names
         given = {name: node.get_parameter(name).value for name in names}
         refuse_unknown([name for name in given if name not in self._about])
@@ -70,18 +71,15 @@ class NodeParameters:
         """Have `listener` called with the names that were set, after every live change."""
         self._listeners.append(listener)
 
-    def set(self, name: str, value: Value) -> None:
-        """Change a live parameter from within; listeners are told as of any other change.
-
-        Raises
-        ------
-        ParameterError
-            If the value is not allowed.
-        """
-        changed = rclpy.parameter.Parameter(name, value=self._about[name].check(value))
-        result = self._node.set_parameters_atomically([changed])
-        if not result.successful:
-            raise ParameterError(result.reason)
+    def mirror(self, values: Mapping[str, Value]) -> None:
+        """Set live parameters to what already holds, without telling the listeners."""
+        self._mirroring = True
+        try:
+            self._node.set_parameters_atomically(
+                [rclpy.parameter.Parameter(name, value=value) for name, value in values.items()]
+            )
+        finally:
+            self._mirroring = False
 
     def _values(self) -> dict[str, Any]:
         return {name: value for each in self._sets.values() for name, value in _items(each)}
@@ -124,7 +122,7 @@ class NodeParameters:
         if not given:
             return
         self._sets = self._make({**self._values(), **given})
-        for listener in self._listeners:
+        for listener in () if self._mirroring else self._listeners:
             listener(frozenset(given))
 
 

@@ -21,7 +21,7 @@ from rclpy.utilities import remove_ros_args
 from gear_dynamics.compiling import Interrupted
 from gear_dynamics.nodes.middleware import use_profile
 from gear_dynamics.nodes.parameters import NodeParameters, help_text
-from gear_dynamics.parameters.files import check_parameter_file
+from gear_dynamics.parameters.files import check_parameter_file, check_section
 from gear_dynamics.parameters.parameter import ParameterError, ParameterSet
 
 USAGE_ERROR = 2
@@ -85,12 +85,15 @@ def run_node(
         return 0
     stop = StopFlag()
     try:
-        _check_parameter_files(arguments)
+        files = _parameter_files(arguments)
+        for path in files:
+            # rclpy ignores unknown keys, and says less about a malformed file.
+            check_parameter_file(path)
         _start_ros(name, arguments)
     except (ParameterError, OSError) as error:
         return _fail(name, error, USAGE_ERROR)
     try:
-        return _run(name, lists, make, stop)
+        return _run(name, lists, make, files, stop)
     finally:
         rclpy.try_shutdown()
 
@@ -127,11 +130,10 @@ def _ros_start(arguments: Sequence[str]) -> int:
     return arguments.index('--ros-args') if '--ros-args' in arguments else len(arguments)
 
 
-def _check_parameter_files(arguments: Sequence[str]) -> None:
-    # rclpy ignores unknown keys, and says less about a malformed file.
-    for option, path in itertools.pairwise(arguments):
-        if option == '--params-file':
-            check_parameter_file(Path(path))
+def _parameter_files(arguments: Sequence[str]) -> list[Path]:
+    return [
+        Path(path) for option, path in itertools.pairwise(arguments) if option == '--params-file'
+    ]
 
 
 def _start_ros(name: str, arguments: list[str]) -> None:
@@ -158,6 +160,7 @@ def _run(
     name: str,
     lists: Sequence[type[ParameterSet]],
     make: Callable[[Node, NodeParameters], Part],
+    files: Sequence[Path],
     stop: StopFlag,
 ) -> int:
     try:
@@ -165,6 +168,10 @@ def _run(
     except (ParameterException, ValueError, TypeError) as error:
         return _fail(name, error, USAGE_ERROR)
     try:
+        for path in files:
+            check_section(path, node.get_fully_qualified_name(), name)
+        if stop:
+            return 0
         part = make(node, NodeParameters(node, lists))
     except ParameterError as error:
         return _fail(name, error, USAGE_ERROR)

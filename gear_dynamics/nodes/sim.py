@@ -3,31 +3,30 @@
 from __future__ import annotations
 
 import contextlib
-import functools
 import sys
 import time
 from collections.abc import Iterator, Sequence
 
 from rclpy.clock import Clock, ClockType
-from rclpy.impl.rcutils_logger import RcutilsLogger
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile
-from std_msgs.msg import Float64, String
+from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 
+from gear_dynamics.compiling import compiling
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.nodes.compiling import compiling
+from gear_dynamics.nodes.commands import Commands
 from gear_dynamics.nodes.diagnostics import Diagnostics
-from gear_dynamics.nodes.monitor import Monitor
+from gear_dynamics.nodes.monitor_topics import MonitorTopics
 from gear_dynamics.nodes.pacing import SECOND, Schedule, StampCounter
 from gear_dynamics.nodes.parameters import NodeParameters
 from gear_dynamics.nodes.run import NodeError, run_node
 from gear_dynamics.nodes.sim_health import SimHealth
 from gear_dynamics.nodes.stream import Stream
-from gear_dynamics.parameters.parameter import ParameterError
+from gear_dynamics.nodes.topics import publisher
 from gear_dynamics.parameters.settings import SimSettings
 from gear_dynamics.simulation.configuration import configuration_text
 from gear_dynamics.simulation.simulator import IntegrationError, Simulator
+from gear_dynamics.wire.topics import CONFIGURATION
 
 ABOUT = 'Streams the vibration of a simulated spur gear pair on gear_pair/samples in real time.'
 
@@ -56,15 +55,19 @@ class Sim:
         self._simulator = _make_simulator(node, pair, settings)
         fast = settings.real_time_factor == 0
         self._stream = Stream(node, keep_all=fast, publish_clock=settings.publish_clock)
-        self._monitor = Monitor(node, settings.sample_rate, settings.monitor_rate)
+        sample_ns = 0.0 if fast else SECOND / self._rate / settings.real_time_factor
+        self._monitor = MonitorTopics(node, self._rate, settings.monitor_rate, sample_ns)
         self._stamps = StampCounter(settings.sample_rate)
-        block_ns = self._block_size / self._rate * SECOND
-        self._schedule = Schedule(0.0 if fast else block_ns / settings.real_time_factor)
+        self._schedule = Schedule(self._block_size * sample_ns)
         self._paused = False
-        self._health = SimHealth(settings, self._simulator, self._schedule)
+        self._commands = Commands(node, parameters)
+        self._health = SimHealth(
+            settings, self._simulator, self._schedule, lambda: self._commands.rejected
+        )
         self._diagnostics = Diagnostics(node, self._health.tasks())
         self._publish_configuration_on(parameters)
-        self._take_commands()
+        node.create_service(Trigger, '~/reset', self._reset)
+        node.create_service(SetBool, '~/pause', self._pause)
         tick = min(max(self._schedule.interval_ns, SHORTEST_TICK), LONGEST_TICK)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._timer = node.create_timer(tick / SECOND, self._tick, clock=steady)
@@ -79,38 +82,21 @@ class Sim:
         self._diagnostics.close()
 
     def _publish_configuration_on(self, parameters: NodeParameters) -> None:
-        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        topic = 'gear_pair/configuration'
-        self._configuration = self._node.create_publisher(String, topic, latched)
+        self._configuration = publisher(self._node, CONFIGURATION)
         self._configuration_changed = True
         parameters.on_change(self._changed)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._node.create_timer(CONFIGURATION_PERIOD, self._publish_configuration, clock=steady)
         self._publish_configuration()
 
-    def _take_commands(self) -> None:
-        node = self._node
-        commands = {'gear_pair/cmd/speed': 'speed', 'gear_pair/cmd/torque': 'load_torque'}
-        for topic, name in commands.items():
-            # A logger throttles by the line that calls it: each topic needs its own.
-            command = functools.partial(self._command, name, node.get_logger().get_child(name))
-            node.create_subscription(Float64, topic, command, 10)
-        node.create_service(Trigger, '~/reset', self._reset)
-        node.create_service(SetBool, '~/pause', self._pause)
-
-    def _command(self, name: str, logger: RcutilsLogger, message: Float64) -> None:
-        try:
-            self._parameters.set(name, message.data)
-        except ParameterError as error:
-            self._health.rejected_commands += 1
-            logger.warning(f'rejected: {error}', throttle_duration_sec=5.0)
-
     def _changed(self, names: frozenset[str]) -> None:
         settings = self._parameters.get(SimSettings)
         with _one_line():
-            if names & {'speed', 'load_torque'}:
-                self._simulator.command(speed=settings.speed, load_torque=settings.load_torque)
-            if names - {'speed', 'load_torque'}:
+            commanded = names & Commands.names
+            if commanded:
+                self._commands.forget(commanded)
+                self._simulator.command(**{name: getattr(settings, name) for name in commanded})
+            if names - commanded:
                 self._simulator.change(
                     pair=self._parameters.get(GearPair),
                     speed_rate_limit=settings.speed_rate_limit,
@@ -119,12 +105,21 @@ class Sim:
         self._configuration_changed = True
 
     def _publish_configuration(self) -> None:
+        self._configuration_changed |= self._commands.mirror()
         if self._configuration_changed:
             pair, settings = self._parameters.get(GearPair), self._parameters.get(SimSettings)
             self._configuration.publish(String(data=configuration_text(pair, settings)))
             self._configuration_changed = False
 
+    def _obey(self) -> None:
+        """Hand the commands that came to the simulator, which follows them from now on."""
+        targets = self._commands.take()
+        if targets:
+            with _one_line():
+                self._simulator.command(**targets)
+
     def _reset(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._obey()
         with _one_line():
             self._simulator.reset()
         self._restart()
@@ -160,6 +155,7 @@ class Sim:
             self._schedule.done(now)
 
     def _advance(self) -> None:
+        self._obey()
         first = self._simulator.samples_done
         with _one_line():
             samples = self._simulator.advance(self._block_size)
@@ -170,7 +166,7 @@ class Sim:
 
 
 def _make_simulator(node: Node, pair: GearPair, settings: SimSettings) -> Simulator:
-    with compiling(node, 'the model'), _one_line():
+    with compiling('the model', node.get_logger().info), _one_line():
         simulator = Simulator(
             pair,
             sample_rate=settings.sample_rate,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 
 from gear_dynamics.nodes.diagnostics import Level, Report, Task
 from gear_dynamics.nodes.pacing import SECOND, Schedule
@@ -22,11 +23,19 @@ class SimHealth:
         As at the start.
     simulator : Simulator
     schedule : Schedule
+    rejected : callable
+        Returns the number of commands that were refused.
     """
 
-    def __init__(self, settings: SimSettings, simulator: Simulator, schedule: Schedule) -> None:
+    def __init__(
+        self,
+        settings: SimSettings,
+        simulator: Simulator,
+        schedule: Schedule,
+        rejected: Callable[[], int],
+    ) -> None:
         self.paused = False
-        self.rejected_commands = 0
+        self._rejected = rejected
         self._wanted = settings.real_time_factor
         self._rate = settings.sample_rate
         self._simulator = simulator
@@ -66,10 +75,14 @@ class SimHealth:
         return Report(Level.OK, 'streaming', values)
 
     def _commands(self) -> Report:
-        return Report(Level.OK, '', {'rejected': self.rejected_commands})
+        rejected = self._rejected()
+        message = f'{rejected} commands were out of range' if rejected else 'none was refused'
+        return Report(Level.OK, message, {'rejected': rejected})
 
     def _integrator(self) -> Report:
-        return Report(Level.OK, '', self._simulator.counters)
+        counters = dict(self._simulator.counters)
+        counters['smallest_step [s]'] = counters.pop('smallest_step')
+        return Report(Level.OK, f'{counters["steps"]} steps', counters)
 
     def _count(self) -> tuple[int, int, float]:
         """Return the time [ns], the samples done and the lag [s]."""

@@ -6,17 +6,12 @@ import numpy as np
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos import HistoryPolicy, QoSProfile
-from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import PointCloud2
+from rclpy.qos import HistoryPolicy
 
-from gear_dynamics.nodes.publishing import clock_bytes, try_publish
+from gear_dynamics.nodes.topics import publisher
+from gear_dynamics.wire.messages import message_class, serialize
 from gear_dynamics.wire.tables import columns_as_float32, encode_table
-
-FRAME = 'line_of_action'
-
-DEPTH = 100
-"""Blocks that are kept for a reliable listener that is behind."""
+from gear_dynamics.wire.topics import CLOCK, EVENTS_TOPIC, FRAME, SAMPLES
 
 LAST = 0.5
 """Time that listeners have to receive the last block [s]."""
@@ -35,11 +30,9 @@ class Stream:
     """
 
     def __init__(self, node: Node, keep_all: bool, publish_clock: bool) -> None:
-        history = HistoryPolicy.KEEP_ALL if keep_all else HistoryPolicy.KEEP_LAST
-        qos = QoSProfile(history=history, depth=DEPTH)
-        self._samples = node.create_publisher(PointCloud2, 'gear_pair/samples', qos)
-        self._events = node.create_publisher(PointCloud2, 'gear_pair/events', qos)
-        self._clock = node.create_publisher(Clock, '/clock', 10) if publish_clock else None
+        self._samples = publisher(node, SAMPLES, keep_all=keep_all)
+        self._events = publisher(node, EVENTS_TOPIC, keep_all=keep_all)
+        self._clock = publisher(node, CLOCK) if publish_clock else None
         self._waiting: list[tuple[Publisher, bytes]] = []
 
     def put(
@@ -81,5 +74,27 @@ class Stream:
 
     def close(self) -> None:
         """Give listeners that live a moment to receive what was published last."""
-        for publisher in (self._samples, self._events):
-            publisher.wait_for_all_acked(Duration(seconds=LAST))
+        for each in (self._samples, self._events):
+            each.wait_for_all_acked(Duration(seconds=LAST))
+
+
+def try_publish(publisher: Publisher, data: bytes) -> bool:
+    """Publish serialized bytes; return whether the middleware took them.
+
+    With a keep-all history, a listener that is too far behind makes the middleware refuse a
+    message after a while (100 ms); it may be published again then. Any other failure is raised.
+    """
+    try:
+        publisher.publish(data)
+    except Exception as error:  # RCLError is a private class of the extension
+        keep_all = publisher.qos_profile.history == HistoryPolicy.KEEP_ALL
+        if keep_all and 'cannot publish data' in str(error):
+            return False
+        raise
+    return True
+
+
+def clock_bytes(stamp_ns: int) -> bytes:
+    """Return the bytes of a rosgraph_msgs/Clock."""
+    time = message_class('builtin_interfaces/msg/Time')(*divmod(stamp_ns, 1_000_000_000))
+    return serialize(message_class(CLOCK.type_name)(time))

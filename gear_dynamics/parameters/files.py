@@ -89,6 +89,33 @@ def check_parameter_file(path: str | Path) -> None:
     _refuse_unknown(path, _sections(path, _load(path)))
 
 
+def check_section(path: str | Path, node: str, name: str) -> None:
+    """Refuse a parameter file that was meant for a node but has no section for it.
+
+    A file for other nodes of this package alone is left as it is: one file may serve several.
+
+    Parameters
+    ----------
+    path : str or Path
+    node : str
+        The node's full name.
+    name : str
+        The name that it has unless it is renamed, such as 'gear_sim'.
+
+    Raises
+    ------
+    ParameterError
+        If no section is for the node, and one has its name in another namespace, or none has the
+        name of a node of this package.
+    """
+    places = [place for place, _ in _sections(path, _load(path))]
+    if not places or any(_applies(place, node) for place in places):
+        return
+    names = {place.rsplit('/', 1)[-1] for place in places}
+    if names & {name, node.rsplit('/', 1)[-1]} or not names & NODES.keys():
+        raise ParameterError(f'{path}: no section is for {node}; there are {", ".join(places)}')
+
+
 def known_names() -> frozenset[str]:
     """Return the names of all parameters of all nodes of this package.
 

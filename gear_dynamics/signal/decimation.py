@@ -61,6 +61,11 @@ class Decimator:
         """Forget the past; the next block begins as if its first sample had lasted for ever."""
         self._past = None
 
+    @property
+    def delay(self) -> int:
+        """Samples by which what is handed out is behind what was fed."""
+        return len(lowpass_taps(self.ratio)) // 2 if self.ratio > 1 else 0
+
     def feed(self, block: np.ndarray, first: int) -> tuple[np.ndarray, np.ndarray]:
         """Filter a block and return the output samples that are now complete.
 

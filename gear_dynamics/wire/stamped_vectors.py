@@ -6,9 +6,6 @@ import numpy as np
 
 from gear_dynamics.wire.messages import message_class, serialize
 
-ACCEL = 'geometry_msgs/msg/AccelStamped'
-WRENCH = 'geometry_msgs/msg/WrenchStamped'
-
 _STAMP = slice(4, 12)  # after the encapsulation header: seconds and nanoseconds, 4 bytes each
 _VECTORS = slice(-48, None)  # linear and angular, or force and torque: x, y, z each as float64
 
@@ -19,7 +16,7 @@ class StampedVectors:
     Parameters
     ----------
     type_name : str
-        `ACCEL` or `WRENCH`.
+        'geometry_msgs/msg/AccelStamped' or 'geometry_msgs/msg/WrenchStamped'.
     frame_id : str
         Frame of the header.
     """

@@ -11,8 +11,7 @@ import numpy as np
 
 from gear_dynamics.machine.columns import SAMPLE_COLUMNS
 from gear_dynamics.wire.messages import MessageError, deserialize, message_class, serialize
-
-TABLE_TYPE = 'sensor_msgs/msg/PointCloud2'
+from gear_dynamics.wire.topics import TABLE_TYPE
 
 SAMPLES_FLOAT32 = np.dtype([(name, np.float32) for name in SAMPLE_COLUMNS])
 """The columns of `gear_pair/samples` on the wire; t is in seconds since the header stamp."""

@@ -20,6 +20,7 @@ from gear_dynamics.monitoring.thresholds import Thresholds
 from gear_dynamics.parameters.settings import AnalyzerSettings
 from gear_dynamics.wire.messages import deserialize
 from gear_dynamics.wire.tables import decode_table, encode_table
+from gear_dynamics.wire.topics import with_duration
 
 SPEED = 104.72
 MESH = SPEED * 34 / (2 * np.pi)  # Hz: z1 n / 60
@@ -121,7 +122,7 @@ def peaks(frequency, amplitude):
 
 def test_every_line_is_a_multiple_of_the_mesh_frequency(run):
     rows = rows_of(run.heard['/gear_pair/spectrum'])[-1]
-    assert rows.dtype.names == ('frequency', *CHANNELS)
+    assert rows.dtype.names == ('frequency', *CHANNELS, 'duration')
     for channel in CHANNELS:
         found = peaks(rows['frequency'], rows[channel])
         assert len(found) > 1
@@ -141,14 +142,14 @@ def test_a_comb_finds_the_mesh_frequency(run):
 
 def test_orders_are_multiples_of_the_teeth(run):
     rows = rows_of(run.heard['/gear_pair/order_spectrum'])[-1]
-    assert rows.dtype.names == ('order', *CHANNELS)
+    assert rows.dtype.names == ('order', *CHANNELS, 'duration')
     found = peaks(rows['order'], rows['gear_ay'])
     assert np.abs(found - 34 * np.round(found / 34)).max() <= 1 / 8
 
 
 def test_poincare_is_one_point_a_cycle_and_settles(run):
     points = np.concatenate(rows_of(run.heard['/gear_pair/poincare']))
-    assert points.dtype.names == ('x', 'y', 'z', 'cycle')
+    assert points.dtype.names == ('x', 'y', 'z', 'cycle', 'duration')
     np.testing.assert_allclose(np.diff(points['cycle']), 1, atol=1e-6)
     np.testing.assert_allclose(np.mod(points['cycle'], 1), 0.5, atol=1e-3)
     last = points[-500:]
@@ -164,6 +165,20 @@ def statuses(messages, subject):
         if status.name == subject
     ]
     return [(status, {kv.key: kv.value for kv in status.values}) for status in found]
+
+
+def test_tables_tell_their_span_and_condition_speaks_of_indicators_alone(run):
+    # 8 segments of 8192 samples, each half over the next, at 51.2 kHz
+    spectrum = rows_of(run.heard['/gear_pair/spectrum'])[-1]
+    np.testing.assert_allclose(spectrum['duration'], 4.5 * 8192 / 51200)
+    for points in rows_of(run.heard['/gear_pair/poincare'])[-10:]:
+        assert 0 < points['duration'][0] < 0.1
+    names = {
+        status.name
+        for data in run.heard['/gear_pair/condition']
+        for status in deserialize(data, CONDITION).status
+    }
+    assert not names & {f'gear_pair: {table}' for table in ('poincare', 'spectrum')}
 
 
 def test_condition_says_regime_contact_and_span(run):
@@ -229,7 +244,11 @@ def test_the_log_analysed_off_line_gives_the_same_results(run):
     # Blocks that came before the configuration are in the log but were not analysed.
     blocks = [table for table in map(decode_table, samples) if table.stamp_ns >= min(logged)]
     offline = by_stamp(
-        encode_table(result.rows, result.span.start_ns, 'line_of_action')
+        encode_table(
+            with_duration(result.rows, result.span.duration),
+            result.span.start_ns,
+            'line_of_action',
+        )
         for table in blocks
         for result in monitor.add_block(table.stamp_ns, table.rows)
         if isinstance(result, TableResult) and result.name == 'spectrum'

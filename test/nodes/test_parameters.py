@@ -133,12 +133,15 @@ def test_wrong_live_change_is_refused_with_a_reason(make, name, value):
     assert node.has_parameter(name)
 
 
-def test_change_from_within_is_checked_too(make):
+def test_mirrored_value_is_set_without_telling_anyone(make):
     node, parameters = make()
-    parameters.set('power', 7)
-    assert node.get_parameter('power').value == 7.0
-    with pytest.raises(ParameterError, match='power'):
-        parameters.set('power', 70)
+    told = []
+    parameters.on_change(told.append)
+    parameters.mirror({'power': 7.0})
+    assert node.get_parameter('power').value == parameters.get(Drive).power == 7.0
+    assert not told
+    node.set_parameters([rclpy_parameter.Parameter('power', value=8.0)])
+    assert told == [{'power'}]
 
 
 def test_help_names_every_parameter_with_default_and_range():

@@ -136,7 +136,7 @@ def test_clock_namespace_and_pace_of_two(domain, client):
     values = {v.key: v.value for v in health[2].status[0].values}
     assert {'real_time_factor', 'lag [s]', 'overruns'} <= values.keys()
     counters = {v.key for s in health[2].status if s.name.endswith('integrator') for v in s.values}
-    assert {'steps', 'rejected_steps', 'contact_losses', 'smallest_step'} <= counters
+    assert {'steps', 'rejected_steps', 'contact_losses', 'smallest_step [s]'} <= counters
 
 
 def test_as_fast_as_listeners_allow_loses_nothing(domain, client):

@@ -20,7 +20,7 @@ def levels(monkeypatch, block_size, pace, seconds=20, factor=1.0):
     simulator = types.SimpleNamespace(samples_done=0)
     schedule = Schedule(block_size / RATE * SECOND / factor)
     schedule.start(0)
-    health = SimHealth(settings, simulator, schedule)
+    health = SimHealth(settings, simulator, schedule, lambda: 0)
     found, free = [], 0
     for now in range(0, seconds * SECOND, SECOND // 1000):
         if now >= free and schedule.due(now):

@@ -6,7 +6,8 @@ rclpy = pytest.importorskip('rclpy')
 from geometry_msgs.msg import AccelStamped, WrenchStamped  # noqa: E402
 from rclpy.serialization import deserialize_message  # noqa: E402
 
-from gear_dynamics.wire.stamped_vectors import ACCEL, WRENCH, StampedVectors  # noqa: E402
+from gear_dynamics.wire.stamped_vectors import StampedVectors  # noqa: E402
+from gear_dynamics.wire.topics import ACCEL_TYPE, WRENCH_TYPE  # noqa: E402
 
 STAMPS = np.array([1_700_000_000_999_999_999, 5, 2**31 * 10**9 - 1])
 XY = np.array([[1.5, -2.0], [3.0, 4.0], [-1e300, 1e-300]])
@@ -15,7 +16,7 @@ XY = np.array([[1.5, -2.0], [3.0, 4.0], [-1e300, 1e-300]])
 @pytest.mark.parametrize('frame', ['line_of_action', 'a', 'ab', 'abc', 'abcd', ''])
 def test_accelerations_are_what_rclpy_reads(frame):
     for data, stamp, xy in zip(
-        StampedVectors(ACCEL, frame).encode(STAMPS, XY), STAMPS, XY, strict=True
+        StampedVectors(ACCEL_TYPE, frame).encode(STAMPS, XY), STAMPS, XY, strict=True
     ):
         message = deserialize_message(data, AccelStamped)
         assert message.header.stamp.sec * 10**9 + message.header.stamp.nanosec == stamp
@@ -26,7 +27,7 @@ def test_accelerations_are_what_rclpy_reads(frame):
 
 
 def test_forces_are_what_rclpy_reads():
-    (data,) = StampedVectors(WRENCH, 'line_of_action').encode(STAMPS[:1], XY[:1])
+    (data,) = StampedVectors(WRENCH_TYPE, 'line_of_action').encode(STAMPS[:1], XY[:1])
     message = deserialize_message(data, WrenchStamped)
     assert [message.wrench.force.x, message.wrench.force.y] == [1.5, -2.0]
     assert message.wrench.force.z == 0
@@ -34,4 +35,4 @@ def test_forces_are_what_rclpy_reads():
 
 
 def test_nothing_gives_nothing():
-    assert StampedVectors(ACCEL, 'f').encode(STAMPS[:0], XY[:0]) == []
+    assert StampedVectors(ACCEL_TYPE, 'f').encode(STAMPS[:0], XY[:0]) == []

@@ -1,0 +1,80 @@
+"""Publishers and subscriptions of the topics that `gear_dynamics.wire.topics` lists."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+
+from gear_dynamics.wire.topics import Qos, Topic
+
+LISTENING_DEPTH = 100
+"""Messages that a subscription keeps while its node is busy."""
+
+
+def ros_type(type_name: str) -> type:
+    """Return the message class of a type such as 'std_msgs/msg/String'.
+
+    Raises
+    ------
+    ImportError, AttributeError
+        If this ROS installation does not have it.
+    """
+    package, kind, message = type_name.split('/')
+    return getattr(importlib.import_module(f'{package}.{kind}'), message)
+
+
+def profile(qos: Qos) -> QoSProfile:
+    """Return the profile of ROS."""
+    return QoSProfile(
+        depth=qos.depth,
+        history=getattr(HistoryPolicy, qos.history.upper()),
+        reliability=getattr(ReliabilityPolicy, qos.reliability.upper()),
+        durability=getattr(DurabilityPolicy, qos.durability.upper()),
+    )
+
+
+def publisher(node: Node, topic: Topic, name: str = '', keep_all: bool = False) -> Publisher:
+    """Make a publisher of a topic.
+
+    Parameters
+    ----------
+    node : rclpy.node.Node
+    topic : Topic
+    name : str, optional
+        Name to publish on, for topics whose listed name stands for several.
+    keep_all : bool
+        Whether no message may be lost; publishing then waits for slow listeners.
+    """
+    qos = profile(topic.qos)
+    if keep_all:
+        qos.history = HistoryPolicy.KEEP_ALL
+    return node.create_publisher(ros_type(topic.type_name), name or topic.name, qos)
+
+
+def listen(
+    node: Node, topic: Topic, take: Callable[[Any], None], keep_all: bool = False, raw: bool = True
+) -> None:
+    """Subscribe to a topic.
+
+    Parameters
+    ----------
+    node : rclpy.node.Node
+    topic : Topic
+    take : callable
+        Is given each message: its bytes, or the message object unless `raw`.
+    keep_all : bool
+        Whether no message may be lost; what is kept has a bound in the middleware, with Fast DDS
+        5000 messages.
+    raw : bool
+    """
+    qos = profile(topic.qos)
+    if keep_all:
+        qos.history = HistoryPolicy.KEEP_ALL
+    elif topic.qos.durability == 'volatile':
+        qos.depth = LISTENING_DEPTH
+    node.create_subscription(ros_type(topic.type_name), topic.name, take, qos, raw=raw)
