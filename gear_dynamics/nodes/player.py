@@ -8,7 +8,7 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
 
-from gear_dynamics.bag.reader import LogMessage
+from gear_dynamics.nodes.playlist import Item
 
 SECOND = 1e9
 """Nanoseconds in a second."""
@@ -16,9 +16,8 @@ SECOND = 1e9
 AHEAD = 256
 """Messages read ahead of their time, so that unpacking a chunk does not delay one."""
 
-
 LATE = 1.0
-"""Lateness after which time begins anew [s]: the log began again, or the machine stood still."""
+"""Lateness after which time begins anew [s]: the machine stood still."""
 
 
 class Player:
@@ -26,10 +25,10 @@ class Player:
 
     Parameters
     ----------
-    messages : iterable of LogMessage
-        By log time; where it jumps back, playing goes on at once.
+    items : iterable of Item
+        In the order of their due times.
     sink : callable
-        Takes a message; returns False if it cannot yet, to be asked again at once.
+        Takes an item; returns False if it cannot yet, to be asked again at once.
     rate : float
         Speed of playing, 1 as recorded; 0 as fast as the sink allows.
     paused : bool
@@ -38,8 +37,8 @@ class Player:
 
     def __init__(
         self,
-        messages: Iterable[LogMessage],
-        sink: Callable[[LogMessage], bool],
+        items: Iterable[Item],
+        sink: Callable[[Item], bool],
         rate: float,
         paused: bool,
     ) -> None:
@@ -49,14 +48,14 @@ class Player:
         self._paused = paused
         self._steps = 0
         self._stopped = False
-        # The log time `_position` was due at `_wall`; while paused, so long before the resume.
+        # The due time `_position` [ns] was at `_wall`; while paused, so long before the resume.
         self._position: int | None = None
         self._wall = 0.0
         self.finished = False
         """Whether all is played."""
         self.error: Exception | None = None
         """What ended the playing before its time."""
-        self._ahead = _ReadAhead(messages)
+        self._ahead = _ReadAhead(items)
         self._thread = threading.Thread(target=self._run, name='player')
         self._thread.start()
 
@@ -89,57 +88,57 @@ class Player:
 
     def _run(self) -> None:
         try:
-            for message in self._ahead.messages():
-                if not self._wait_until_due(message.log_time) or not self._give(message):
+            for item in self._ahead.items():
+                if not self._wait_until_due(item.due_ns) or not self._give(item):
                     return
             self.finished = not self._stopped
         except Exception as error:  # told by the node: a thread that dies tells nobody
             self.error = error
 
-    def _give(self, message: LogMessage) -> bool:
+    def _give(self, item: Item) -> bool:
         while not self._stopped:
-            if self._sink(message):
+            if self._sink(item):
                 return True
         return False
 
-    def _wait_until_due(self, log_time: int) -> bool:
+    def _wait_until_due(self, due_ns: int) -> bool:
         """Wait for a message's time; return whether it is to be played at all."""
         with self._changed:
             while not self._stopped:
                 now = 0.0 if self._paused else time.monotonic()
                 if self._steps:
                     self._steps -= 1
-                    self._position, self._wall = log_time, now
+                    self._position, self._wall = due_ns, now
                     return True
                 if self._paused:
                     self._changed.wait()
                     continue
-                due = self._due(log_time, now)
+                due = self._due(due_ns, now)
                 if due <= now:
                     # Counted from the due time, so that lateness does not add up.
-                    self._position, self._wall = log_time, due if now - due < LATE else now
+                    self._position, self._wall = due_ns, due if now - due < LATE else now
                     return True
                 self._changed.wait(due - now)
             return False
 
-    def _due(self, log_time: int, now: float) -> float:
+    def _due(self, due_ns: int, now: float) -> float:
         if self._position is None or self._rate == 0:
             return now
-        return self._wall + (log_time - self._position) / SECOND / self._rate
+        return self._wall + (due_ns - self._position) / SECOND / self._rate
 
 
 class _ReadAhead:
     """A thread that reads messages into a bounded queue."""
 
-    def __init__(self, messages: Iterable[LogMessage]) -> None:
-        self._messages = messages
-        self._queue: queue.Queue[LogMessage | Exception | None] = queue.Queue(AHEAD)
+    def __init__(self, items: Iterable[Item]) -> None:
+        self._items = items
+        self._queue: queue.Queue[Item | Exception | None] = queue.Queue(AHEAD)
         self._stopped = False
         self._thread = threading.Thread(target=self._run, name='read ahead')
         self._thread.start()
 
-    def messages(self) -> Iterator[LogMessage]:
-        """Iterate over the messages; raises what reading them raised."""
+    def items(self) -> Iterator[Item]:
+        """Iterate over the items; raises what reading them raised."""
         while (item := self._queue.get()) is not None:
             if isinstance(item, Exception):
                 raise item
@@ -162,10 +161,10 @@ class _ReadAhead:
     def _run(self) -> None:
         end: Exception | None = None
         try:
-            for message in self._messages:
+            for item in self._items:
                 if self._stopped:
                     return
-                self._queue.put(message)
+                self._queue.put(item)
         except Exception as error:
             end = error
         self._queue.put(end)

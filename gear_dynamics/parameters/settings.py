@@ -64,7 +64,7 @@ class AnalyzerSettings(ParameterSet):
     """
 
     log: bool = parameter(True, 'whether the topics of the rig are logged to MCAP')
-    log_directory: str = parameter('.', 'where the folder of the log goes')
+    log_directory: str = parameter('.', 'existing folder in which the folder of the log is made')
     log_compression: str = parameter(
         'zstd', 'compression of the log', choices=('none', 'lz4', 'zstd')
     )
@@ -217,6 +217,13 @@ class ReplaySettings(ParameterSet):
         [], 'topics to play, as they are named in the log; none is all'
     )
     paused: bool = parameter(False, 'whether it begins paused')
+    listener_wait: float = parameter(
+        5.0,
+        'longest wait for listeners before playing; it begins when all that exist are connected',
+        unit='s',
+        minimum=0.0,
+        maximum=1e6,
+    )
     publish_clock: bool = parameter(False, 'whether /clock is published for use_sim_time')
 
     def __post_init__(self) -> None:

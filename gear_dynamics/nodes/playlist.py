@@ -1,0 +1,115 @@
+"""What a replay plays and when: the messages of a log, pass after pass; no ROS."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Collection, Iterator, Sequence
+from typing import NamedTuple
+
+from gear_dynamics.bag.reader import LogMessage, read_messages
+from gear_dynamics.bag.source import Damage
+from gear_dynamics.wire.messages import MessageError, deserialize, message_class, serialize
+from gear_dynamics.wire.topics import CONFIGURATION
+
+SHORTEST_PASS = 10_000_000
+"""Least time from one pass to the next [ns]: a loop of one message must not use a whole CPU."""
+
+
+class Item(NamedTuple):
+    """A message to play."""
+
+    due_ns: int
+    """On a scale that begins with 0 and never goes back [ns]."""
+    pass_number: int
+    """How often the log is being played; the first pass is 1."""
+    message: LogMessage
+
+
+@dataclasses.dataclass(frozen=True)
+class Playlist:
+    """The messages of a part of a log in the order in which they are played.
+
+    Every pass begins with what latched topics held before the part. From the second pass on it
+    begins with the configuration of the rig in any case, and every configuration announces the
+    pass, since the stamps of a pass begin anew: see docs/interfaces.md.
+
+    Attributes
+    ----------
+    paths : sequence of str
+        The log.
+    topics, latched : collection of str
+        What to play; which of these topics are latched.
+    begin, end : int
+        Log times of the first and the last message that may be played [ns].
+    loop : bool
+        Whether to begin again at the end, for ever.
+    on_damage, on_message_error : callable
+        Told of places and messages that cannot be read.
+    """
+
+    paths: Sequence[str]
+    topics: Collection[str]
+    latched: Collection[str]
+    begin: int
+    end: int
+    loop: bool
+    on_damage: Callable[[Damage], None]
+    on_message_error: Callable[[str], None]
+
+    def __iter__(self) -> Iterator[Item]:
+        period = max(self.end - self.begin, SHORTEST_PASS)
+        held = self._held_at_the_begin()
+        number = 1
+        while True:
+            empty = True
+            for message in self._one_pass(held):
+                empty = False
+                if _configures(message):
+                    held = {**held, message.channel.topic: held.get(message.channel.topic, message)}
+                    message = _announced(message, number)
+                due = message.log_time - self.begin + (number - 1) * period
+                yield Item(due, number, message)
+            if empty or not self.loop:
+                return
+            number += 1
+
+    def _held_at_the_begin(self) -> dict[str, LogMessage]:
+        """Return the last message of each latched topic before the part."""
+        held: dict[str, LogMessage] = {}
+        if self.latched:
+            for message in read_messages(
+                self.paths, self.latched, end=self.begin, on_damage=self.on_damage
+            ):
+                held[message.channel.topic] = message
+        return held
+
+    def _one_pass(self, held: dict[str, LogMessage]) -> Iterator[LogMessage]:
+        for message in held.values():
+            yield dataclasses.replace(message, log_time=self.begin)
+        for message in read_messages(
+            self.paths, list(self.topics), self.begin, self.end + 1, self.on_damage
+        ):
+            try:
+                deserialize(message.data, message.channel.type_name)
+            except MessageError as error:
+                self.on_message_error(f'{message.place}: {error}')
+            else:
+                yield message
+
+
+def _configures(message: LogMessage) -> bool:
+    channel = message.channel
+    return channel.type_name == CONFIGURATION.type_name and channel.topic.endswith(
+        f'/{CONFIGURATION.name}'
+    )
+
+
+def _announced(message: LogMessage, number: int) -> LogMessage:
+    """Return a configuration that tells the number of the pass, from the second on."""
+    if number == 1:
+        return message
+    text = deserialize(message.data, CONFIGURATION.type_name).data
+    text = f'{text.rstrip()}\nreplay: {{pass: {number}}}\n'
+    return dataclasses.replace(
+        message, data=serialize(message_class(CONFIGURATION.type_name)(text))
+    )
