@@ -17,6 +17,7 @@ EXECUTABLES = {
     'analyzer': ('gear_dynamics.nodes.analyzer', 'analyse the stream and log it to MCAP (ROS 2)'),
     'replay': ('gear_dynamics.nodes.replay', 'play a log back on its own topics (ROS 2)'),
     'log': ('gear_dynamics.bag.command', 'tell about, recover, export and plot logs'),
+    'analyse': ('gear_dynamics.recordings.command', 'analyse recordings of a real machine'),
     'study': ('gear_dynamics.study.command', 'run experiments off line, with data and figures'),
 }
 """Name of each executable, the module with its `main(argv) -> int`, and what it does."""

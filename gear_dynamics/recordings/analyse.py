@@ -13,6 +13,7 @@ import numpy as np
 from gear_dynamics.machine.machine import Machine
 from gear_dynamics.monitoring.spans.analysis import SpanAnalysis, column_units
 from gear_dynamics.monitoring.spans.summary import Summary
+from gear_dynamics.recordings.constants import contradictions
 from gear_dynamics.recordings.numpy_files import memory_table
 from gear_dynamics.recordings.open import open_table
 from gear_dynamics.recordings.optional import optional_module
@@ -45,6 +46,8 @@ class Analysis:
         What must be known of the recordings.
     cuts : Cuts
     files : list of str
+    sources : dict of str to (str, float)
+        Where each channel stands, and its rate [Hz].
     """
 
     machine: Machine
@@ -55,6 +58,7 @@ class Analysis:
     notes: list[str]
     cuts: Cuts
     files: list[str]
+    sources: dict[str, tuple[str, float]] = dataclasses.field(default_factory=dict)
 
     def table(self) -> pandas.DataFrame:
         """Return the rows as a DataFrame; its `attrs` hold units, notes and failures."""
@@ -122,6 +126,7 @@ def analyse_recordings(
     else:
         _analyse_one(tables, engine, result, progress, 0.0)
     result.notes += result.cuts.words()
+    result.notes += dict.fromkeys(contradictions(tables, result.summary))
     result.units = _units(result)
     if not result.rows:
         reasons = '; '.join(f'{name}: {why}' for name, why in result.failures.items())
@@ -187,16 +192,18 @@ def _analyse_one(
     result.notes += [note for note in signals.notes if note not in result.notes]
     if not signals.channels:
         return 0.0
+    for name, found in signals.channels.items():
+        result.sources.setdefault(name, (found.origin, found.rate))
     end = 0.0
     for span in read_spans(signals, result.machine.recording.span, result.cuts):
-        found = engine.analyse(span)
-        result.summary.add(span, found)
-        row: dict[str, Any] = dict(found.values)
+        shown = engine.analyse(span)
+        result.summary.add(span, shown)
+        row: dict[str, Any] = dict(shown.values)
         row['t'] = span.start + offset
         if result.machine.recording.files == 'series':
             row['file'] = tables[0].name
-        row['operating_bin'] = _operating_bin(found.values, result.machine)
-        row['notes'] = '; '.join(found.notes)
+        row['operating_bin'] = _operating_bin(shown.values, result.machine)
+        row['notes'] = '; '.join(shown.notes)
         result.rows.append(row)
         end = span.start + span.duration
         if progress is not None:

@@ -29,7 +29,7 @@ def unexplained_lines(summary: Summary, channel: str) -> list[Line]:
     """Return the strongest lines of a channel that nothing of the machine explains.
 
     Known are all orders of a shaft up to 20, mesh lines with 5 sidebands of both shafts on either
-    side, and bearing lines with 2 sidebands.
+    side, bearing lines with 2 sidebands, and all lines of a defect that was named with 3.
     """
     spectrum = summary.spectra.get(channel)
     if spectrum is None or spectrum.count == 0:
@@ -76,5 +76,11 @@ def _known_frequencies(summary: Summary) -> np.ndarray:
         for defect in DEFECTS:
             lines = bearing.order(defect) * np.arange(1, 11)[:, np.newaxis]
             known.append(((lines + np.arange(-2, 3)) * speed).ravel())
+        for (_, name), record in summary.bearings.items():
+            if name == bearing.name and record.shown.named in DEFECTS:
+                # A fault rings at resonances, with its lines and sidebands far up.
+                order = record.shown.lines[record.shown.named].order
+                lines = order * np.arange(1, 200)[:, np.newaxis]
+                known.append(((lines + np.arange(-3, 4)) * speed).ravel())
     joined = np.concatenate(known) if known else np.empty(0)
     return joined[np.isfinite(joined)]
