@@ -14,7 +14,7 @@ unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 # Many tests wait for a stream: two at a time fill two cores.
 PYTEST := -m pytest --numprocesses 2 --dist worksteal
 
-.PHONY: demo quick test test-oldest fuzz readme
+.PHONY: demo quick test test-oldest fuzz mutants readme
 .DEFAULT_GOAL := demo
 
 demo: $(VENV)/ros
@@ -41,6 +41,13 @@ EXAMPLES ?= 20000
 
 fuzz: $(VENV)/test
 	@FUZZ_EXAMPLES=$(EXAMPLES) $(VENV)/bin/python -m pytest --quiet --timeout=0 test/fuzz
+
+# A random sample of defects, put into the code one at a time: do the tests notice?
+COUNT ?= 200
+MINUTES ?= 0
+
+mutants: $(VENV)/test
+	@$(VENV)/bin/python tools/mutants.py --count $(COUNT) --minutes $(MINUTES)
 
 # What Ubuntu 24.04 ships, with the tests that need no ROS.
 test-oldest: $(OLDEST)/test
