@@ -14,7 +14,7 @@ unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 # Many tests wait for a stream: two at a time fill two cores.
 PYTEST := -m pytest --numprocesses 2 --dist worksteal
 
-.PHONY: demo quick test test-oldest fuzz mutants readme
+.PHONY: demo quick test test-oldest fuzz mutants soak readme
 .DEFAULT_GOAL := demo
 
 demo: $(VENV)/ros
@@ -48,6 +48,12 @@ MINUTES ?= 0
 
 mutants: $(VENV)/test
 	@$(VENV)/bin/python tools/mutants.py --count $(COUNT) --minutes $(MINUTES)
+
+# Hours of streaming, logging and replay, with kills, stops and a disk that fills.
+HOURS ?= 2
+
+soak: $(VENV)/ros
+	@$(VENV)/bin/python tools/soak.py --hours $(HOURS)
 
 # What Ubuntu 24.04 ships, with the tests that need no ROS.
 test-oldest: $(OLDEST)/test
