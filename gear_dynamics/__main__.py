@@ -12,11 +12,13 @@ import importlib
 import re
 import sys
 
+from gear_dynamics.versions import __version__
+
 EXECUTABLES = {
     'sim': ('gear_dynamics.nodes.sim', 'stream a simulated gear pair in real time (ROS 2)'),
     'analyzer': ('gear_dynamics.nodes.analyzer', 'analyse the stream and log it to MCAP (ROS 2)'),
     'replay': ('gear_dynamics.nodes.replay', 'play a log back on its own topics (ROS 2)'),
-    'log': ('gear_dynamics.bag.command', 'tell about, recover, export and plot logs'),
+    'log': ('gear_dynamics.bag.command', 'inspect, recover, export and plot logs'),
     'analyse': ('gear_dynamics.recordings.command', 'analyse recordings of a real machine'),
     'study': ('gear_dynamics.study.command', 'run experiments off line, with data and figures'),
 }
@@ -55,9 +57,10 @@ def _parser() -> argparse.ArgumentParser:
         prog='gear-dynamics',
         usage='gear-dynamics NAME [arguments]',
         description='Real-time vibration of a simulated spur gear pair.',
-        epilog='\n'.join(['names:', *lines, '', 'gear-dynamics NAME --help tells more of each.']),
+        epilog='\n'.join(['names:', *lines, '', 'gear-dynamics NAME --help describes each.']),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+    parser.add_argument('--version', action='version', version=__version__)
     parser.add_argument('name', metavar='NAME', help='what to run; one of the names below')
     return parser
 

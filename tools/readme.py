@@ -5,6 +5,7 @@ Usage: python tools/readme.py
 
 from pathlib import Path
 
+from gear_dynamics.__main__ import EXECUTABLES
 from gear_dynamics.parameters.files import NODES
 from gear_dynamics.parameters.parameter import Parameter, Value
 from gear_dynamics.wire.topics import (
@@ -39,6 +40,12 @@ def example() -> str:
     return f'```python\n{(ROOT / "examples" / "listen.py").read_text(encoding="utf-8")}```'
 
 
+def executables() -> str:
+    """Return a line for each executable."""
+    rows = [f'| `{name}` | {about} |' for name, (_, about) in EXECUTABLES.items()]
+    return '\n'.join(['| name | what it does |', '|---|---|', *rows])
+
+
 def overview() -> str:
     """Return a line for each topic."""
     rows = [f'| `{each.name}` | {_short(each.type_name)} | {each.about} |' for each in TOPICS]
@@ -68,6 +75,7 @@ def columns(topic: Topic) -> str:
 PARTS = {
     'parameters': table,
     'example': example,
+    'executables': executables,
     'topics': overview,
     'topics of gear_sim': lambda: topics('gear_sim'),
     'topics of gear_analyzer': lambda: topics('gear_analyzer'),
