@@ -52,10 +52,15 @@ class BearingDefect(WheelFault):
     )
     slip: float = parameter(0.01, 'slip of the elements', minimum=0.0, maximum=0.1, live=True)
     deepest: float = parameter(
-        2e-6, 'dip of the rest point at severity 1', unit='m', minimum=1e-9, maximum=1e-3, live=True
+        10e-6,
+        'dip of the rest point at severity 1',
+        unit='m',
+        minimum=1e-9,
+        maximum=1e-3,
+        live=True,
     )
     length: float = parameter(
-        1e-3, 'length of the spall', unit='m', minimum=1e-5, maximum=0.1, live=True
+        0.5e-3, 'length of the spall', unit='m', minimum=1e-5, maximum=0.1, live=True
     )
     seed: int = parameter(1, 'of the random slip', minimum=0, maximum=2**31 - 1, live=True)
 

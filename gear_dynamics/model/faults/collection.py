@@ -5,11 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+import numpy as np
+
 from gear_dynamics.model.faults.fault import Fault, Operation
 from gear_dynamics.model.friction import friction_ports
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.ports import Ports
+from gear_dynamics.model.mesh.piecewise import Pieces
+from gear_dynamics.model.ports import Ports, ToothDeviation
 from gear_dynamics.parameters.parameter import ParameterError, refuse_unknown_name
+
+LEAST_STIFFNESS = 0.02
+"""Least stiffness of all tooth pairs, over the nominal one."""
 
 
 def checked_faults(faults: Any) -> tuple[Fault, ...]:
@@ -54,6 +60,7 @@ def machine_ports(
     for fault in faults:
         total = total + fault.ports(pair, operation)
     _refuse_excess(pair, total)
+    _refuse_negative_stiffness(pair, total)
     return total
 
 
@@ -74,6 +81,35 @@ def _refuse_excess(pair: GearPair, ports: Ports) -> None:
                 f'the faults together take {taken:g} off the {what}, which is {present:g}: make '
                 'their severities smaller'
             )
+
+
+def _refuse_negative_stiffness(pair: GearPair, ports: Ports) -> None:
+    """Refuse tooth deviations that together take more than the whole stiffness of a tooth pair."""
+    s = np.linspace(0.0, 1.0, 201)[1:-1] * pair.derived.path_length
+    everywhere, by_tooth = np.ones(s.size), {'pinion': {}, 'gear': {}}  # type: ignore[var-annotated]
+    for term in ports:
+        if isinstance(term, ToothDeviation) and term.stiffness.any():
+            change = Pieces(term.edges, term.stiffness).at(s)
+            if term.tooth is None or term.wheel is None:
+                everywhere += change
+            else:
+                teeth = by_tooth[term.wheel]
+                teeth[term.tooth] = teeth.get(term.tooth, 0.0) + change
+    left = max(round(float(everywhere.min()), 6), 0.0)
+    if left < LEAST_STIFFNESS:
+        raise ParameterError(
+            f'the faults of all teeth leave {left:g} of the stiffness of a '
+            f'tooth pair: it must be at least {LEAST_STIFFNESS}; make their severities smaller'
+        )
+    worst = everywhere.copy()
+    for teeth in by_tooth.values():
+        if teeth:
+            worst += np.minimum(np.min(list(teeth.values()), axis=0), 0.0)
+    if worst.min() < -1e-4:
+        raise ParameterError(
+            f'the faults of teeth that meet take {1 - worst.min():.3g} of the stiffness of a '
+            'tooth pair: it can be 1 at most; make their severities smaller'
+        )
 
 
 def fault_of(values: Mapping[str, Any]) -> Fault:

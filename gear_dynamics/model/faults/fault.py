@@ -57,6 +57,9 @@ class Fault(ParameterSet):
         If a value is out of its range.
     """
 
+    FOLLOWS_COMMANDS: ClassVar[bool] = False
+    """Whether its ports depend on the operating point."""
+
     @property
     def severity(self) -> float:
         """From 0, healthy, to 1; a field of every fault."""

@@ -9,6 +9,7 @@ import numpy as np
 
 from gear_dynamics.model.faults.fault import Fault, Operation, limits, severity_parameter
 from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.mesh.stiffness import deviation
 from gear_dynamics.model.ports import Ports, ToothDeviation
 from gear_dynamics.parameters.parameter import parameter
 
@@ -24,6 +25,8 @@ class Misalignment(Fault):
 
     Source: the load distribution over the face of ISO 6336-1, K_Hbeta, of the linear gap.
     """
+
+    FOLLOWS_COMMANDS = True
 
     severity: float = severity_parameter()
     widest: float = parameter(
@@ -55,19 +58,13 @@ class Misalignment(Fault):
     def _ports(self, pair: GearPair, operation: Operation) -> Ports:
         share = self.share(pair, operation)
         intercept = self._approach(pair, operation) / 2 if share < 1 else self.gap / 2
-        softer = np.array([[share - 1]])
-        return Ports(
-            [
-                ToothDeviation(
-                    None,
-                    None,
-                    limits(pair),
-                    stiffness=softer,
-                    damping=softer,
-                    error=np.array([[intercept]]),
-                )
-            ]
+        found = deviation(pair, lambda s, healthy: share * healthy)
+        damping = np.full((len(found.edges) - 1, 1), share - 1)
+        shifted = ToothDeviation(None, None, limits(pair), error=np.array([[intercept]]))
+        softer = ToothDeviation(
+            None, None, found.edges, stiffness=found.coefficients, damping=damping
         )
+        return Ports([softer, shifted])
 
     def orders(self, pair: GearPair) -> tuple[float, ...]:
         """Return the order of the mesh: all teeth are alike."""

@@ -9,12 +9,12 @@ import numpy as np
 from gear_dynamics.model.faults.fault import (
     Fault,
     Operation,
-    limits,
     severity_parameter,
     tooth_parameter,
     wheel_parameter,
 )
 from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.mesh.stiffness import deviation
 from gear_dynamics.model.ports import Ports, ToothDeviation
 
 
@@ -40,7 +40,16 @@ class MissingTooth(Fault):
         return self.severity
 
     def _ports(self, pair: GearPair, operation: Operation) -> Ports:
-        lost = np.array([[-self.share]])
+        found = deviation(pair, lambda s, healthy: (1 - self.share) * healthy)
+        damping = np.full((len(found.edges) - 1, 1), -self.share)
         return Ports(
-            [ToothDeviation(self.wheel, self.tooth, limits(pair), stiffness=lost, damping=lost)]
+            [
+                ToothDeviation(
+                    self.wheel,
+                    self.tooth,
+                    found.edges,
+                    stiffness=found.coefficients,
+                    damping=damping,
+                )
+            ]
         )

@@ -16,14 +16,10 @@ from gear_dynamics.model.faults.fault import (
 )
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.mesh.path import PathOfContact
-from gear_dynamics.model.mesh.piecewise import fit
-from gear_dynamics.model.mesh.stiffness import stiffness
+from gear_dynamics.model.mesh.stiffness import deviation, stiffness
 from gear_dynamics.model.mesh.tooth import Tooth
 from gear_dynamics.model.ports import Ports, ToothDeviation
 from gear_dynamics.parameters.parameter import parameter
-
-TOLERANCE = 1e-5
-"""Greatest error of the polynomials, relative to the stiffness of the tooth pair."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -70,11 +66,11 @@ class RootCrack(Fault):
         roll = path.pinion_roll if self.wheel == 'pinion' else path.gear_roll
         left = self._uncracked_half(tooth)
 
-        def relative(s: np.ndarray) -> np.ndarray:
-            healthy = law.at(s)
-            return law.at(s, self._added(pair, tooth, roll(s), left)) / healthy - 1
+        def cracked(s: np.ndarray, healthy: np.ndarray) -> np.ndarray:
+            added = self._added(pair, tooth, roll(s), left)
+            return healthy + law.at(s, added) - law.at(s)
 
-        found = fit(relative, law.cuts, TOLERANCE, scale=1.0)
+        found = deviation(pair, cracked)
         return Ports(
             [ToothDeviation(self.wheel, self.tooth, found.edges, stiffness=found.coefficients)]
         )

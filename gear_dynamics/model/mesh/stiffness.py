@@ -21,6 +21,9 @@ from gear_dynamics.parameters.parameter import ParameterError
 TOLERANCE = 1e-6
 """Greatest error of the polynomials, relative to the stiffness."""
 
+DEVIATION_TOLERANCE = 1e-5
+"""Greatest error of the changes by faults, relative to the nominal stiffness."""
+
 LONGEST_TABLE = 200
 """Rows that a table may have: each begins a new step of the integrator."""
 
@@ -38,11 +41,15 @@ class Stiffness(NamedTuple):
         Places where it may jump or bend, with both ends of the path [m].
     at : callable
         Takes s, an (n,) array [m], and the compliance that the pair has besides [m/N]; gives [N/m].
+    nominal : callable
+        Takes s and gives the stiffness that the deviations of `ports.ToothDeviation` are relative
+        to: `single`, or with `constant` the pair's equal share of it [N/m].
     """
 
     single: float
     cuts: tuple[float, ...]
     at: Law
+    nominal: Law
 
 
 _FIELDS = (
@@ -80,6 +87,34 @@ def pieces(pair: GearPairParameters) -> Pieces:
     return _cached_pieces(tuple(getattr(pair, name) for name in _FIELDS))
 
 
+def deviation(
+    pair: GearPairParameters,
+    changed: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    begin: float = 0.0,
+    end: float | None = None,
+) -> Pieces:
+    """Return a change of stiffness in the form of `ports.ToothDeviation`.
+
+    Parameters
+    ----------
+    pair : GearPairParameters
+    changed : callable
+        Gives the changed stiffness of a tooth pair from s and the healthy one, (n,) arrays.
+    begin, end : float, optional
+        Part of the path of contact [m]; the whole by default.
+    """
+    law = stiffness(pair)
+    end = law.cuts[-1] if end is None else end
+    cuts = [begin, *(cut for cut in law.cuts if begin < cut < end), end]
+    healthy = pieces(pair).at
+
+    def relative(s: np.ndarray) -> np.ndarray:
+        k = healthy(s)
+        return (changed(s, k) - k) / law.nominal(s)
+
+    return fit(relative, cuts, DEVIATION_TOLERANCE, scale=1.0)
+
+
 def single_stiffnesses(pair: GearPairParameters) -> dict[str, float]:
     """Return the stiffness of a single pair at the pitch point by every method [N/m].
 
@@ -96,6 +131,10 @@ def single_stiffnesses(pair: GearPairParameters) -> dict[str, float]:
     return found
 
 
+def _same(single: float) -> Law:
+    return lambda s: np.full(np.shape(s), single)
+
+
 def _shared(path: PathOfContact, s: np.ndarray, two: float) -> np.ndarray:
     """Return 1 for a pair alone in contact, and `two` for one of two."""
     return np.where(np.isnan(path.other_pair(s)), 1.0, two)
@@ -106,7 +145,11 @@ def _stepwise(pair: GearPairParameters, path: PathOfContact, ratio: float) -> St
         k = pair.tooth_pair_stiffness * _shared(path, s, ratio / 2)
         return k / (1 + k * softened)
 
-    return Stiffness(pair.tooth_pair_stiffness, path.edges, at)
+    def nominal(s: np.ndarray) -> np.ndarray:
+        share = 0.5 if pair.mesh_stiffness == 'constant' else 1.0
+        return pair.tooth_pair_stiffness * _shared(path, s, share)
+
+    return Stiffness(pair.tooth_pair_stiffness, path.edges, at, nominal)
 
 
 def _rectangular(pair: GearPairParameters, path: PathOfContact) -> Stiffness:
@@ -121,7 +164,7 @@ def _by_energy(body_once: bool) -> Callable[[GearPairParameters, PathOfContact],
     def make(pair: GearPairParameters, path: PathOfContact) -> Stiffness:
         energy = PotentialEnergy.of(pair, body_once)
         single = float(energy.single(np.array([path.approach]))[0])
-        return Stiffness(single, path.edges, energy.of_pair)
+        return Stiffness(single, path.edges, energy.of_pair, _same(single))
 
     return make
 
@@ -145,7 +188,7 @@ def _iso_6336(pair: GearPairParameters, path: PathOfContact) -> Stiffness:
         return scale * energy.of_pair(s, softened * scale)
 
     single = scale * float(energy.single(np.array([path.approach]))[0])
-    return Stiffness(single, path.edges, at)
+    return Stiffness(single, path.edges, at, _same(single))
 
 
 def _harmonic(pair: GearPairParameters, path: PathOfContact) -> Stiffness:
@@ -166,7 +209,8 @@ def _harmonic(pair: GearPairParameters, path: PathOfContact) -> Stiffness:
         k = pair.tooth_pair_stiffness * relative(s) * _shared(path, s, 0.5)
         return k / (1 + k * softened)
 
-    return Stiffness(pair.tooth_pair_stiffness, path.edges, at)
+    single = pair.tooth_pair_stiffness
+    return Stiffness(single, path.edges, at, _same(single))
 
 
 def _table(pair: GearPairParameters, path: PathOfContact) -> Stiffness:
@@ -178,7 +222,8 @@ def _table(pair: GearPairParameters, path: PathOfContact) -> Stiffness:
 
     inside = [float(s) for s in s_rows if 0 < s < path.length]
     cuts = tuple(sorted({0.0, *inside, path.length}))
-    return Stiffness(float(np.interp(path.approach, s_rows, k_rows)), cuts, at)
+    single = float(np.interp(path.approach, s_rows, k_rows))
+    return Stiffness(single, cuts, at, _same(single))
 
 
 def _read_table(file: str) -> tuple[np.ndarray, np.ndarray]:

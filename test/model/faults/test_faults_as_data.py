@@ -101,7 +101,7 @@ def test_polynomials_of_a_crack_follow_the_added_compliance(method):
     roll = path.gear_roll(s)
     added = path.gear.compliance(roll, *material, left) - path.gear.compliance(roll, *material)
     assert [value(term, 'stiffness', each) for each in s] == pytest.approx(
-        law.at(s, added) / law.at(s) - 1, abs=3e-5
+        (law.at(s, added) - law.at(s)) / law.single, abs=3e-5
     )
 
 
@@ -147,11 +147,13 @@ def test_pitch_errors_stay_in_the_grade_and_close():
 def test_misaligned_face_carries_the_mean_load_with_the_right_stiffness(gap):
     pair = GearPair()
     fault = faults.Misalignment(severity=1.0, widest=gap)
-    (term,) = fault.ports(pair)
+    terms = fault.ports(pair).terms
+    softer = sum(term.stiffness[0, 0] for term in terms)
+    intercept = sum(term.error[0, 0] for term in terms)
     d = pair.derived
     force = 150.0 / d.gear_base_radius / d.contact_ratio
-    k = d.single_stiffness * (1 + term.stiffness[0, 0])
-    approach = force / k + term.error[0, 0]
+    k = d.single_stiffness * (1 + softer)
+    approach = force / k + intercept
     # Slices of the face, each of which touches where the gap is closed.
     slices = (np.arange(20000) + 0.5) / 20000 * gap
     closed = np.maximum(approach - slices, 0.0)
@@ -201,6 +203,21 @@ def test_faults_that_leave_no_backlash_together_are_refused():
     both = [faults.Eccentricity(wheel, severity=1.0, largest=3e-4) for wheel in ('pinion', 'gear')]
     with pytest.raises(ParameterError, match=r'together take .* off the half backlash'):
         machine_ports(QUIET, both)
+
+
+@pytest.mark.parametrize(
+    ('given', 'message'),
+    [
+        ([faults.MissingTooth(tooth=None, severity=1.0)], 'all teeth leave 0 of the stiffness'),
+        (
+            [faults.MissingTooth(wheel, severity=0.6) for wheel in ('pinion', 'gear')],
+            'teeth that meet take 1.2 of the stiffness',
+        ),
+    ],
+)
+def test_faults_that_leave_no_tooth_pair_are_refused(given, message):
+    with pytest.raises(ParameterError, match=message):
+        machine_ports(GearPair(), given)
 
 
 def test_labels_name_fault_place_and_orders():
