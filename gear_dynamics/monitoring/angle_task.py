@@ -127,9 +127,9 @@ class AngleTask(Task):
         self.seconds = 0.0
 
     def _start(self, cycles_per_sample: float, lead: int) -> None:
-        points = max(1 << math.ceil(math.log2(1 / cycles_per_sample)), FEWEST_POINTS)
-        if points > MOST_POINTS or points * cycles_per_sample > GREATEST_DENSITY:
+        if not 1 / MOST_POINTS <= cycles_per_sample <= GREATEST_DENSITY / FEWEST_POINTS:
             return
+        points = max(1 << math.ceil(math.log2(1 / cycles_per_sample)), FEWEST_POINTS)
         self._resampler = AngularResampler(points)
         self._per_revolution = points * self._layout.teeth[0]
         length = self._per_revolution * self._settings.order_revolutions

@@ -130,12 +130,12 @@ class Baseline:
         try:
             if path.exists() and path.stat().st_size > MOST_BYTES:
                 raise BaselineError(f'{path}: it has more than {MOST_BYTES:g} bytes')
-            content = json.loads(path.read_text(encoding='utf-8')) if path.exists() else None
+            if not path.exists():
+                return
+            content = json.loads(path.read_text(encoding='utf-8'))
         except (OSError, UnicodeDecodeError, ValueError, RecursionError) as error:
             reason = str(error) if isinstance(error, BaselineError) else f'{path}: {error}'
             raise BaselineError(' '.join(reason.split())) from None
-        if content is None:
-            return
         if not isinstance(content, dict) or content.get('form') != FORM:
             raise BaselineError(f'{path}: it is no baseline of form {FORM}')
         if content.get('machine') != self.machine:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from scipy import fft
 
 from gear_dynamics.monitoring.task import Indicator
 from gear_dynamics.signal.statistics import rms
@@ -15,7 +16,7 @@ CHANCE = 1e-4
 """Chance of a healthy wheel below which a channel counts as a witness against a tooth."""
 
 LEAST_ENERGY = 3e-4
-"""Mean square of the difference signal at that tooth, over that of the regular signal: less is the
+"""Mean square of the residual signal at that tooth, over that of the regular signal: less is the
 remainder of slow changes of speed and load."""
 
 LOCAL_FAULT = 0.5
@@ -57,9 +58,8 @@ def local_fault(parts: Parts, teeth: int, there: np.ndarray) -> LocalFault:
     there : ndarray of bool
         Channels with a difference signal.
     """
-    found = tooth_energy(parts.difference, teeth)
-    strongest = np.take_along_axis(found.energy, found.tooth[np.newaxis], axis=0)[0]
-    large = strongest >= LEAST_ENERGY * rms(parts.regular) ** 2
+    found = tooth_energy(without_alternation(parts.residual, teeth), teeth)
+    large = found.energy.max(axis=0) >= LEAST_ENERGY * rms(parts.regular) ** 2
     witness = there & large & (found.chance < CHANCE)
     best = int(np.argmax(np.where(there, found.score, -np.inf)))
     if not witness.any():
@@ -70,3 +70,16 @@ def local_fault(parts: Parts, teeth: int, there: np.ndarray) -> LocalFault:
     votes = (apart <= 1).sum(axis=1)
     tooth = int(named[np.argmax(votes)])
     return LocalFault(float(votes.max()) / int(there.sum()), tooth)
+
+
+def without_alternation(residual: np.ndarray, teeth: int) -> np.ndarray:
+    """Return a residual signal without what repeats at every other tooth.
+
+    A healthy mesh can move with twice its period; on a wheel of even teeth the average holds that
+    motion, at the orders that are multiples of teeth / 2.
+    """
+    if teeth % 2:
+        return residual
+    lines = fft.rfft(residual, axis=0)
+    lines[teeth // 2 :: teeth // 2] = 0
+    return fft.irfft(lines, len(residual), axis=0)

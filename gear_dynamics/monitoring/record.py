@@ -141,7 +141,7 @@ class Record:
         for slot in self.slots:
             if settled:
                 slot.task.restart()
-            yield from self._results(slot, self._pushed(slot.task, batch))
+            yield from self._results(slot, lambda task: self._pushed(task, batch))
 
     def _pushed(self, task: Task, batch: Batch) -> Iterable[Finding]:
         if isinstance(task, MotionTask):
@@ -171,26 +171,27 @@ class Record:
         events = batch.events.copy()
         events['t'] += start
         section = section_from_events(events)
-        results: list[Result] = []
-        for slot in self.slots:
-            task = slot.task
+        end = start + batch.span.duration
+
+        def found(task: Task) -> Iterable[Finding]:
             if isinstance(task, MotionTask) and len(section):
-                results += self._results(slot, task.push_section(section, EXACT))
-            elif isinstance(task, ContactTask):
-                found = task.push_events(events, start, start + batch.span.duration)
-                results += self._results(slot, found)
-        return results
+                return task.push_section(section, EXACT)
+            if isinstance(task, ContactTask):
+                return task.push_events(events, start, end)
+            return ()
+
+        return [result for slot in self.slots for result in self._results(slot, found)]
 
     @property
     def end_ns(self) -> int:
         """Stamp of the first sample that is not yet processed [ns]."""
         return self.start_ns + round(self._done * 1e9 / self._rate)
 
-    def _results(self, slot: Slot, findings: Iterable[Finding]) -> list[Result]:
+    def _results(self, slot: Slot, work: Callable[[Task], Iterable[Finding]]) -> list[Result]:
         """Return the results of a task; one that fails begins its span anew."""
         results: list[Result] = []
         try:
-            for finding in findings:
+            for finding in work(slot.task):
                 slot.fed = True
                 results += self._of_finding(slot, finding)
         except Exception as error:

@@ -114,8 +114,11 @@ def normalised_moment(x: npt.ArrayLike, order: int, axis: int = 0) -> np.ndarray
     order = whole_number(order, 'order', 2)
     x = real_array(x, axis=axis).astype(float, copy=False)
     centred = x - x.mean(axis=0)
-    variance = (centred * centred).mean(axis=0)
-    return ratio((centred**order).mean(axis=0), variance ** (order / 2))
+    square = centred * centred
+    power = centred if order % 2 else 1.0
+    for _ in range(order // 2):  # faster than a power
+        power = power * square
+    return ratio(np.mean(power, axis=0), square.mean(axis=0) ** (order / 2))
 
 
 def ratio(numerator: np.ndarray, denominator: np.ndarray) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -23,7 +24,7 @@ class ToothEnergy(NamedTuple):
     energy : ndarray, shape (teeth, ...)
         Mean square of the signal from the entry of each tooth to that of the next.
     tooth : ndarray of int
-        That of the greatest energy.
+        That at which the greatest energy begins: vibration rings on after a fault, never before.
     score : ndarray
         Logarithm of its energy over the median of all, in standard deviations of the logarithms
         of the other teeth (estimated by their median absolute deviation).
@@ -37,6 +38,22 @@ class ToothEnergy(NamedTuple):
     chance: np.ndarray
 
 
+FLOOR = 1e-2
+"""Energy, as a fraction of the greatest, below which teeth count as alike: without noise, how a
+vibration dies away says nothing of the other teeth, nor does what is left of the mean tooth."""
+
+ONSET = 0.01
+"""Energy of a tooth, as a fraction of the greatest, from which the tooth before the greatest can be
+its beginning: a tooth is in mesh for more than one cycle, and near a resonance the vibration is
+greatest in the second."""
+
+STANDS_OUT = 1.5
+"""Logarithm of that energy over the median, from which that tooth stands out too."""
+
+MOST_BEFORE = 2
+"""Teeth by which the beginning can lie before the greatest energy."""
+
+
 def tooth_energy(signal: npt.ArrayLike, teeth: int) -> ToothEnergy:
     """Compare the energy of a signal during the mesh cycle of each tooth with the other teeth.
 
@@ -47,7 +64,9 @@ def tooth_energy(signal: npt.ArrayLike, teeth: int) -> ToothEnergy:
     Parameters
     ----------
     signal : array_like
-        One revolution along the first axis, from the entry of tooth 0 on: residual or difference.
+        One revolution along the first axis, from the entry of tooth 0 on. The residual suits best:
+        the difference signal has lost the first sidebands, and with them a part of the fault, which
+        is then missing at all other teeth.
     teeth : int
         4 or more.
     """
@@ -57,10 +76,24 @@ def tooth_energy(signal: npt.ArrayLike, teeth: int) -> ToothEnergy:
     edges = np.round(np.arange(teeth) * len(signal) / teeth).astype(int)
     counts = np.diff(edges, append=len(signal)).reshape(-1, *(1,) * (signal.ndim - 1))
     energy = np.add.reduceat(signal**2, edges, axis=0) / counts
-    level = np.log(np.maximum(energy, np.finfo(float).tiny))
+    floor = np.maximum(FLOOR * energy.max(axis=0), np.finfo(float).tiny)
+    level = np.log(np.maximum(energy, floor))
     median = np.median(level, axis=0)
     # 1.4826 times the median absolute deviation is the standard deviation of a normal distribution.
     scatter = 1.4826 * np.median(np.abs(level - median), axis=0)
     score = (level.max(axis=0) - median) / np.maximum(scatter, LEAST_SCATTER)
     chance = np.minimum(teeth * stats.t.sf(score, teeth - 2), 1.0)
-    return ToothEnergy(energy, np.argmax(level, axis=0), score, chance)
+    return ToothEnergy(energy, _beginning(level, median), score, chance)
+
+
+def _beginning(level: np.ndarray, median: np.ndarray) -> np.ndarray:
+    """Return the tooth at which the greatest energy begins, from the logarithms of all."""
+    teeth = len(level)
+    tooth = np.argmax(level, axis=0)
+    least = np.maximum(level.max(axis=0) + math.log(ONSET), median + STANDS_OUT)
+    begins = np.ones_like(tooth, dtype=bool)
+    for _ in range(MOST_BEFORE):
+        before = np.take_along_axis(level, np.expand_dims((tooth - 1) % teeth, 0), axis=0)[0]
+        begins &= before >= least
+        tooth = np.where(begins, (tooth - 1) % teeth, tooth)
+    return tooth

@@ -37,3 +37,11 @@ def test_teeth_alike_to_rounding_do_not_stand_out():
 def test_few_teeth_are_refused():
     with pytest.raises(ValueError, match='teeth is 3'):
         tooth_energy(np.zeros(100), 3)
+
+
+def test_the_fault_begins_at_the_first_tooth_that_stands_out():
+    # Near a resonance the vibration is greatest one or two mesh cycles after the fault.
+    x = np.random.default_rng(3).normal(size=TEETH * POINTS)
+    for tooth, gain in ((0, 20.0), (1, 30.0), (33, 8.0)):
+        x[tooth * POINTS : (tooth + 1) * POINTS] *= gain
+    assert tooth_energy(x, TEETH).tooth == 33
