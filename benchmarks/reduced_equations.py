@@ -10,12 +10,12 @@ import numba
 import numpy as np
 
 from gear_dynamics.integrator.constants import pack
-from gear_dynamics.study.operation import Operation
+from gear_dynamics.study.operating_point import OperatingPoint
 
 Array = np.ndarray
 
 
-def numbers(operation: Operation) -> Array:
+def numbers(operation: OperatingPoint) -> Array:
     """Return the parameters p of the functions below."""
     c = pack(operation.pair, 1e-9, 1e-12, drive=False)[0]
     wn, b = c['wn'], c['b']

@@ -22,7 +22,7 @@ from scipy.integrate import solve_ivp
 from gear_dynamics import study
 from gear_dynamics.dynamics.cycles import run_cycles
 from gear_dynamics.study.initial import scattered_states
-from gear_dynamics.study.operation import Operation
+from gear_dynamics.study.operating_point import OperatingPoint
 
 FREQUENCIES, TRANSIENT, KEPT, CHAINS = 600, 300, 150, 4
 RTOL, ATOL = 1e-9, 1e-12
@@ -55,7 +55,7 @@ def check() -> None:
     print(f'two forms of the equations after two cycles: {apart:.1e} b apart')
 
 
-def slice_operations() -> list[Operation]:
+def slice_operations() -> list[OperatingPoint]:
     chaos = study.friction_chaos()
     return [
         chaos.with_value('friction_coefficient', mu).with_value('w', w)

@@ -1,1 +1,36 @@
-"""Algorithms on motions: stroboscopic map, exponents, regime."""
+"""Algorithms on motions: stroboscopic map, tangent space, exponents, regimes, attractors."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+_EXPORTS = {
+    'attractors': ('Attractor', 'assign', 'reached', 'same_orbit'),
+    'cycles': ('Cycles', 'run_cycles'),
+    'embedding': ('cao_dimension', 'embed', 'mean_period', 'mutual_information_lag'),
+    'exponents': (
+        *('Exponents', 'halves_agree', 'lyapunov_spectrum', 'standard_error', 'sum_error'),
+        'transient',
+    ),
+    'initial': ('states_at', 'static_state'),
+    'lyapunov': ('Lyapunov', 'lyapunov_exponent'),
+    'nearby': ('nearby_growth',),
+    'regimes': ('Regime', 'recurrence_period', 'regime'),
+    'tangent': ('first_tangent_vectors',),
+    'zero_one': ('zero_one_test',),
+}
+_HOMES = {name: module for module, names in _EXPORTS.items() for name in names}
+
+__all__ = sorted(_HOMES)
+
+
+def __getattr__(name: str) -> Any:
+    # Loaded when first used: the help of the studies must not wait for the compiler.
+    if name not in _HOMES:
+        raise AttributeError(f'module {__name__!r} has no attribute {name!r}')
+    return getattr(importlib.import_module(f'{__name__}.{_HOMES[name]}'), name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 SAME = 0.01
 """Distance, in the scale of the section, within which two periodic orbits are one."""
@@ -64,6 +63,8 @@ def reached(sections: np.ndarray, attractor: Attractor) -> np.ndarray:
     (n,) array of bool
     """
     if not attractor.period:
+        from scipy.spatial import cKDTree
+
         tree = cKDTree(attractor.points)
         distance = tree.query(sections.reshape(-1, 2), distance_upper_bound=NEAR)[0]
         on = np.isfinite(distance).reshape(sections.shape[:2])

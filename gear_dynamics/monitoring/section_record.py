@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gear_dynamics.dynamics.regime import Regime, regime
+from gear_dynamics.dynamics.regimes import Regime, regime
 from gear_dynamics.monitoring.poincare import SECTION
 
 Scale = Callable[[float, float], tuple[float, float]]

@@ -1,52 +1,25 @@
-"""Experiments on the model, with their data and figures; each is a sub-command of `study` too."""
+"""Experiments on the model, with their data and figures; each is a sub-command of `study` too.
+
+The function of each study has the name of its module in `experiments`.
+"""
 
 from __future__ import annotations
 
 import importlib
-from typing import TYPE_CHECKING, Any
+import pkgutil
+from typing import Any
 
-if TYPE_CHECKING:
-    from gear_dynamics.study.attractor_portrait import attractor
-    from gear_dynamics.study.basin_map import basins
-    from gear_dynamics.study.frequency_response import response
-    from gear_dynamics.study.friction_spectrum import spectrum
-    from gear_dynamics.study.lyapunov_table import lyapunov
-    from gear_dynamics.study.operation import (
-        Operation,
-        default_operation,
-        friction_chaos,
-        read_operation,
-    )
-    from gear_dynamics.study.orbit_diagram import bifurcation
-    from gear_dynamics.study.tasks import Runner
+from gear_dynamics.study import experiments as _experiments
 
 _HOMES = {
-    'Operation': 'operation',
+    'OperatingPoint': 'operating_point',
     'Runner': 'tasks',
-    'attractor': 'attractor_portrait',
-    'basins': 'basin_map',
-    'bifurcation': 'orbit_diagram',
-    'default_operation': 'operation',
-    'friction_chaos': 'operation',
-    'lyapunov': 'lyapunov_table',
-    'read_operation': 'operation',
-    'response': 'frequency_response',
-    'spectrum': 'friction_spectrum',
-}
+    'default_operating_point': 'operating_point',
+    'friction_chaos': 'operating_point',
+    'read_operating_point': 'operating_point',
+} | {name: f'experiments.{name}' for _, name, _ in pkgutil.iter_modules(_experiments.__path__)}
 
-__all__ = [
-    'Operation',
-    'Runner',
-    'attractor',
-    'basins',
-    'bifurcation',
-    'default_operation',
-    'friction_chaos',
-    'lyapunov',
-    'read_operation',
-    'response',
-    'spectrum',
-]
+__all__ = sorted(_HOMES)
 
 
 def __getattr__(name: str) -> Any:
@@ -54,3 +27,7 @@ def __getattr__(name: str) -> Any:
     if name not in _HOMES:
         raise AttributeError(f'module {__name__!r} has no attribute {name!r}')
     return getattr(importlib.import_module(f'{__name__}.{_HOMES[name]}'), name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])

@@ -6,11 +6,12 @@ import math
 
 import numpy as np
 
-from gear_dynamics.study.exponents import EXPONENT_UNITS
-from gear_dynamics.study.kind import CHAOS
-from gear_dynamics.study.operation import Operation
+from gear_dynamics.dynamics.regimes import CHAOS
+from gear_dynamics.study.exponent_tables import EXPONENT_UNITS
+from gear_dynamics.study.operating_point import OperatingPoint
+from gear_dynamics.study.outcome import Arrays
 from gear_dynamics.study.sweep import DOWN, chain_along, follow, measure
-from gear_dynamics.study.tasks import Arrays, Runner
+from gear_dynamics.study.tasks import Runner
 
 IN_A_ROW = 3
 """Neighbouring values that must be chaotic to count as lasting chaos, whose edges are refined."""
@@ -24,7 +25,7 @@ FINER = 10
 MOVES = 3
 """Times that a finer sweep moves on where its own outermost value is still chaotic."""
 
-TRANSIENT, RECORD = 1000, 800
+EDGE_TRANSIENT, EDGE_RECORD = 1000, 800
 """Mesh cycles before and in the record at each value of the finer sweep. The record is shorter than
 the 0-1 test needs: for chaos in narrow bands, as found near an edge, that test says regular."""
 
@@ -76,7 +77,7 @@ def _open_at(kinds: np.ndarray, side: int) -> bool:
 
 
 def refine(
-    operations: list[Operation],
+    points: list[OperatingPoint],
     parameter: str,
     values: np.ndarray,
     kinds: np.ndarray,
@@ -90,7 +91,7 @@ def refine(
 
     Parameters
     ----------
-    operations : list of n Operation
+    points : list of n OperatingPoint
     parameter : str
         The swept parameter.
     values : (count,) array
@@ -110,7 +111,7 @@ def refine(
     """
     span = min(2 * AROUND, len(values) - 1)
     last = len(values) - 1 - span
-    shape = (len(operations), len(SIDES), span * FINER + 1)
+    shape = (len(points), len(SIDES), span * FINER + 1)
     result: Arrays = {'values': np.full(shape, np.nan), 'kind': np.zeros(shape, 'U16')}
     windows = {
         (i, side): min(max(index - AROUND, 0), last)
@@ -120,7 +121,7 @@ def refine(
     for _ in range(1 + MOVES):
         if not windows:
             break
-        _sweep_windows(operations, parameter, values, states, windows, runner, result)
+        _sweep_windows(points, parameter, values, states, windows, runner, result)
         windows = {
             key: min(max(first + (-span if key[1] == BEGIN else span), 0), last)
             for key, first in windows.items()
@@ -130,7 +131,7 @@ def refine(
 
 
 def _sweep_windows(
-    operations: list[Operation],
+    points: list[OperatingPoint],
     parameter: str,
     values: np.ndarray,
     states: np.ndarray,
@@ -146,9 +147,11 @@ def _sweep_windows(
         fine = np.linspace(values[first], values[first + span], shape[-1])
         result['values'][i, side] = fine
         down = i % 2 == DOWN
-        chains.append(chain_along(operations[i], parameter, fine[::-1] if down else fine))
+        chains.append(chain_along(points[i], parameter, fine[::-1] if down else fine))
         starts.append(states[i, first + span if down else first])
-    measured = measure(chains, follow(chains, np.array(starts), TRANSIENT, runner), RECORD, runner)
+    measured = measure(
+        chains, follow(chains, np.array(starts), EDGE_TRANSIENT, runner), EDGE_RECORD, runner
+    )
     for name in ('kind', *EXPONENT_UNITS):
         swept = measured[name]
         if name not in result:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from gear_dynamics.study.parts import code
+from gear_dynamics.study.cache import code
 
 ANSWER = 5.0
 """Time in which a scheduler must answer [s]."""

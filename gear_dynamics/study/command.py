@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import contextlib
 import errno
-import importlib
 import os
 import signal
 import sys
@@ -14,10 +13,17 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from gear_dynamics.study.catalogue import DEFAULT, PRESET, STUDIES, Option, Study
+from gear_dynamics.study.declaration import (
+    PRESETS,
+    Option,
+    Study,
+    defaults,
+    study_module,
+    study_names,
+)
 
 if TYPE_CHECKING:
-    from gear_dynamics.study.operation import Operation
+    from gear_dynamics.study.operating_point import OperatingPoint
     from gear_dynamics.study.outcome import Outcome
 
 ENDINGS = ('.npz', '.csv', '.txt', '.png', '_*.csv')
@@ -75,12 +81,11 @@ def _disk_words(error: OSError, output: Path) -> str:
 
 
 def _run(arguments: argparse.Namespace) -> None:
-    from gear_dynamics import study
-    from gear_dynamics.study.lock import alone
+    from gear_dynamics.study.cache import alone
     from gear_dynamics.study.warm_up import CompilingRunner
 
     values = _checked_values(arguments)
-    operation = _operation(arguments)
+    point = _operation(arguments)
     with alone(arguments.output, arguments.study):
         _refuse_existing(arguments)
         parts = arguments.output / f'.{arguments.study}_parts'
@@ -88,7 +93,8 @@ def _run(arguments: argparse.Namespace) -> None:
         with contextlib.closing(
             CompilingRunner(compile_, parts, arguments.cluster, progress=not arguments.quiet)
         ) as runner:
-            outcome = getattr(study, arguments.study)(operation, runner=runner, **values)
+            run = getattr(study_module(arguments.study), arguments.study)
+            outcome = run(point, runner=runner, **values)
         paths = _write(arguments, outcome)
         runner.forget()
     print(outcome.text)
@@ -106,7 +112,7 @@ def _checked_values(arguments: argparse.Namespace) -> dict[str, Any]:
     ValueError
         If one is out of its range.
     """
-    options = STUDIES[arguments.study].options
+    options = _about(arguments).options
     given = {name: getattr(arguments, name) for name in options}
     values = {name: value for name, value in given.items() if value is not None}
     for name, value in values.items():
@@ -115,14 +121,14 @@ def _checked_values(arguments: argparse.Namespace) -> dict[str, Any]:
     return values
 
 
-def _operation(arguments: argparse.Namespace) -> Operation:
-    from gear_dynamics import study
+def _operation(arguments: argparse.Namespace) -> OperatingPoint:
+    from gear_dynamics.study.operating_point import read_operating_point
 
-    swept = getattr(arguments, 'parameter', None) or STUDIES[arguments.study].sweeps
+    swept = getattr(arguments, 'parameter', None) or _about(arguments).sweeps
     if arguments.params:
-        operation = study.read_operation(arguments.params, **_replaced(arguments.set, swept))
+        point = read_operating_point(arguments.params, **_replaced(arguments.set, swept))
     else:
-        operation = getattr(study, STUDIES[arguments.study].operation)()
+        point = _about(arguments).preset()
     for name, value in arguments.set:
         shown = f'{value:g}' if isinstance(value, float) else value
         if name == swept or {name, swept} == {'w', 'speed'}:
@@ -130,12 +136,12 @@ def _operation(arguments: argparse.Namespace) -> Operation:
                 f'--set {name}={shown} would have no effect, as {arguments.study} sweeps '
                 f'{swept}: give --begin and --end'
             )
-        if name == 'friction_coefficient' and 'frictions' in STUDIES[arguments.study].options:
+        if name == 'friction_coefficient' and 'frictions' in _about(arguments).options:
             raise ValueError(
                 f'--set {name}={shown} would have no effect: give {arguments.study} --frictions'
             )
-        operation = operation.with_value(name, value)
-    return operation
+        point = point.with_value(name, value)
+    return point
 
 
 def _replaced(settings: Sequence[tuple[str, Any]], swept: str) -> dict[str, float]:
@@ -170,10 +176,10 @@ def _write(arguments: argparse.Namespace, outcome: Outcome) -> list[Path]:
 
     They come to their places when all are written, so that a full disk leaves no half of a result.
     """
-    from gear_dynamics.study.figures.style import save_figure
+    from gear_dynamics.study.drawing import save_figure
     from gear_dynamics.study.outcome import write_outcome
 
-    draw = importlib.import_module(f'gear_dynamics.study.figures.{arguments.study}').draw
+    draw = study_module(arguments.study).draw
     with tempfile.TemporaryDirectory(prefix='.unfinished_', dir=arguments.output) as folder:
         figure = Path(folder) / f'{outcome.name}.png'
         save_figure(draw, outcome.arrays, figure)
@@ -194,21 +200,26 @@ def _parser() -> argparse.ArgumentParser:
         'is given again.',
     )
     studies = parser.add_subparsers(dest='study', metavar='STUDY', required=True)
-    for name, about in STUDIES.items():
+    for name in study_names():
+        about = study_module(name).STUDY
         one = studies.add_parser(name, help=about.summary, description=about.summary)
         _add_common(one, about)
-        for option, what in about.options.items():
-            _add_option(one, option, what)
+        for option, default in defaults(name).items():
+            _add_option(one, option, about.options[option], default)
     return parser
 
 
+def _about(arguments: argparse.Namespace) -> Study:
+    return study_module(arguments.study).STUDY
+
+
 def _add_common(parser: argparse.ArgumentParser, about: Study) -> None:
-    preset = PRESET if about.operation == 'friction_chaos' else DEFAULT
     parser.add_argument(
         '--params',
         type=Path,
         metavar='FILE',
-        help=f'ROS parameter file with pair, speed and load_torque; by default {preset}',
+        help='ROS parameter file with pair, speed and load_torque; by default '
+        f'{PRESETS[about.preset]}',
     )
     parser.add_argument(
         '--set',
@@ -233,15 +244,14 @@ def _add_common(parser: argparse.ArgumentParser, about: Study) -> None:
     parser.add_argument('--quiet', action='store_true', help='no progress bar')
 
 
-def _add_option(parser: argparse.ArgumentParser, name: str, option: Option) -> None:
-    default = option.default
+def _add_option(parser: argparse.ArgumentParser, name: str, option: Option, default: Any) -> None:
     several = isinstance(default, tuple | list)
     kind: type = type(default[0]) if several else type(default)
     shown = ' '.join(f'{each:g}' for each in default) if several else default
     parser.add_argument(
         f'--{name.replace("_", "-")}',
         type=kind,
-        nargs='+' if isinstance(default, list) else len(default) if several else None,
+        nargs='+' if option.several else len(default) if several else None,
         metavar=kind.__name__.upper(),
         help=f'{option.text}; by default {shown}',
     )

@@ -6,6 +6,9 @@ import math
 
 import numpy as np
 
+ACCELERATIONS = ('pinion_ax', 'pinion_ay', 'gear_ax', 'gear_ay')
+QUANTITIES = (*ACCELERATIONS, 'delta', 'mesh_force', 'friction_force')
+
 HARMONICS, DRAWN = 5, 20
 """Mesh harmonics in a row, and in a figure."""
 

@@ -9,6 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+Arrays = dict[str, np.ndarray]
+
 
 class Outcome(NamedTuple):
     """What a study found.

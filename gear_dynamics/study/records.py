@@ -6,30 +6,29 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gear_dynamics.dynamics.cycles import run_cycles
-from gear_dynamics.dynamics.nearby import nearby_growth
-from gear_dynamics.study.initial import first_variations
-from gear_dynamics.study.operation import Operation
-from gear_dynamics.study.tasks import Arrays, Runner, chunks
+from gear_dynamics import dynamics
+from gear_dynamics.study.operating_point import OperatingPoint
+from gear_dynamics.study.outcome import Arrays
+from gear_dynamics.study.tasks import Runner, chunks
 
 STRETCH = 60_000
 """Mesh cycles in a stretch, of all its motions together: about a second on a core."""
 
 
 def stretch_task(
-    operation: Operation, states: np.ndarray, vectors: np.ndarray, cycles: int
+    point: OperatingPoint, states: np.ndarray, vectors: np.ndarray, cycles: int
 ) -> Arrays:
     """Return sections, growth and divergence of n motions, and where they end."""
-    run = run_cycles(
-        [operation.pair] * len(states),
-        operation.speed,
-        operation.load_torque,
+    run = dynamics.run_cycles(
+        [point.pair] * len(states),
+        point.speed,
+        point.load_torque,
         cycles,
         states=states,
         vectors=vectors,
     )
     return {
-        'sections': operation.scaled(run.sections),
+        'sections': point.scaled(run.sections),
         'growth': run.growth,
         'divergence': run.divergence,
         'states': run.states,
@@ -37,25 +36,25 @@ def stretch_task(
     }
 
 
-def nearby_task(operation: Operation, states: np.ndarray, cycles: int) -> Arrays:
+def nearby_task(point: OperatingPoint, states: np.ndarray, cycles: int) -> Arrays:
     """Return the growth between each of n motions and one nearby."""
-    pairs = [operation.pair] * len(states)
-    return {'nearby': nearby_growth(pairs, operation.speed, operation.load_torque, cycles, states)}
+    pairs = [point.pair] * len(states)
+    return {'nearby': dynamics.nearby_growth(pairs, point.speed, point.load_torque, cycles, states)}
 
 
 def records(
-    operations: Sequence[Operation],
+    points: Sequence[OperatingPoint],
     states: Sequence[np.ndarray],
     transient: int,
     cycles: int,
     runner: Runner,
     label: str,
 ) -> list[Arrays]:
-    """Return for each operation the records of n motions after a transient.
+    """Return for each point the records of n motions after a transient.
 
     Parameters
     ----------
-    operations : sequence of Operation
+    points : sequence of OperatingPoint
     states : sequence of (n, STATES) arrays
         Where the motions of each begin.
     transient, cycles : int
@@ -75,26 +74,28 @@ def records(
     before = chunks(transient, most)
     stretches = [*before, *chunks(cycles, most)]
     groups = chunks(len(states[0]), 1 if runner.at_once else len(states[0]))
-    which = [operation for operation in operations for _ in groups]
+    which = [point for point in points for _ in groups]
     begins = [each[group] for each in states for group in groups]
-    ends = [{'states': each, 'vectors': first_variations(len(each))} for each in begins]
+    ends = [
+        {'states': each, 'vectors': dynamics.first_tangent_vectors(len(each))} for each in begins
+    ]
     done = []
     with runner.progress((len(stretches) + 1) * len(which), label):
         for part in stretches:
             arguments = [
                 {
-                    'operation': operation,
+                    'point': point,
                     'states': end['states'],
                     'vectors': end['vectors'],
                     'cycles': part.stop - part.start,
                 }
-                for operation, end in zip(which, ends, strict=True)
+                for point, end in zip(which, ends, strict=True)
             ]
             ends = runner.run(stretch_task, arguments)
             done.append(ends)
         arguments = [
-            {'operation': operation, 'states': end['states'], 'cycles': nearby_cycles(cycles)}
-            for operation, end in zip(which, ends, strict=True)
+            {'point': point, 'states': end['states'], 'cycles': nearby_cycles(cycles)}
+            for point, end in zip(which, ends, strict=True)
         ]
         nearby = runner.run(nearby_task, arguments)
     joined = [

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from gear_dynamics.dynamics.cycles import run_cycles
+from gear_dynamics import dynamics
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.parameters.parameter import ParameterError
 from gear_dynamics.parameters.run_settings import RunSettings
-from gear_dynamics.study.exponents import EXPONENT_UNITS
-from gear_dynamics.study.judgement import judge, unzip
-from gear_dynamics.study.operation import Operation
-from gear_dynamics.study.tasks import Arrays, Runner, chunks
+from gear_dynamics.study.assessment import assess
+from gear_dynamics.study.exponent_tables import EXPONENT_UNITS
+from gear_dynamics.study.operating_point import OperatingPoint, unzip
+from gear_dynamics.study.outcome import Arrays
+from gear_dynamics.study.tasks import Runner, chunks
 
 FOLLOWED = 20
 """Values that one task follows."""
@@ -53,25 +54,25 @@ def check_range(**ends: float) -> None:
         raise ParameterError(f'{first} {begin:g} is not below {last} {end:g}: exchange them')
 
 
-def chain_along(operation: Operation, parameter: str, values: np.ndarray) -> list[Operation]:
-    """Return the operation with each value of a parameter."""
-    return [operation.with_value(parameter, float(value)) for value in values]
+def chain_along(point: OperatingPoint, parameter: str, values: np.ndarray) -> list[OperatingPoint]:
+    """Return the point with each value of a parameter."""
+    return [point.with_value(parameter, float(value)) for value in values]
 
 
-def follow_task(operations: list[list[Operation]], states: np.ndarray, cycles: int) -> Arrays:
+def follow_task(points: list[list[OperatingPoint]], states: np.ndarray, cycles: int) -> Arrays:
     """Return the states after `cycles` at each value, each begun where the last one ended.
 
-    operations : one list of chains for each value; states : (chains, STATES) array.
+    points : one list of chains for each value; states : (chains, STATES) array.
     """
-    ends = np.empty((len(operations), *states.shape))
-    for i, chains in enumerate(operations):
-        states = run_cycles(*unzip(chains), cycles, states=states).states
+    ends = np.empty((len(points), *states.shape))
+    for i, chains in enumerate(points):
+        states = dynamics.run_cycles(*unzip(chains), cycles, states=states).states
         ends[i] = states
     return {'states': ends}
 
 
 def follow(
-    chains: list[list[Operation]], states: np.ndarray, cycles: int, runner: Runner
+    chains: list[list[OperatingPoint]], states: np.ndarray, cycles: int, runner: Runner
 ) -> np.ndarray:
     """Return the state after the transient for each chain and value, (chains, values, STATES).
 
@@ -86,7 +87,7 @@ def follow(
         for part in pieces:
             arguments = [
                 {
-                    'operations': [value[group] for value in arranged[part]],
+                    'points': [value[group] for value in arranged[part]],
                     'states': states[group],
                     'cycles': cycles,
                 }
@@ -99,19 +100,19 @@ def follow(
     return np.concatenate(parts).swapaxes(0, 1)
 
 
-def measure_task(operations: list[Operation], states: np.ndarray, cycles: int) -> Arrays:
-    """Return what `judge` finds of the motions, by the names of UNITS."""
-    judged = judge(operations, states, cycles)
-    return {name: judged[name] for name in UNITS}
+def measure_task(points: list[OperatingPoint], states: np.ndarray, cycles: int) -> Arrays:
+    """Return what `assess` finds of the motions, by the names of UNITS."""
+    assessed = assess(points, states, cycles)
+    return {name: assessed[name] for name in UNITS}
 
 
 def measure(
-    chains: list[list[Operation]], states: np.ndarray, cycles: int, runner: Runner
+    chains: list[list[OperatingPoint]], states: np.ndarray, cycles: int, runner: Runner
 ) -> Arrays:
     """Return what the motions do from the states that `follow` found, (chains, values, ...)."""
     count = len(chains[0])
     arguments = [
-        {'operations': chain[part], 'states': start[part], 'cycles': cycles}
+        {'points': chain[part], 'states': start[part], 'cycles': cycles}
         for chain, start in zip(chains, states, strict=True)
         for part in chunks(count, MEASURED)
     ]

@@ -7,8 +7,9 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from gear_dynamics.study.cache import Task, TaskCache
 from gear_dynamics.study.cluster import Cluster
-from gear_dynamics.study.parts import Arrays, Parts, Task
+from gear_dynamics.study.outcome import Arrays
 
 
 class Runner:
@@ -40,7 +41,7 @@ class Runner:
         self.computed = self.taken = 0
         self._progress = progress
         self._bar: Any = None
-        self._parts = None if parts is None else Parts(parts)
+        self._parts = None if parts is None else TaskCache(parts)
         self._cluster: Cluster | None = None
         try:
             if cluster is not None:

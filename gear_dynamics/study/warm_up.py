@@ -6,10 +6,8 @@ import contextlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from gear_dynamics.dynamics.cycles import run_cycles
-from gear_dynamics.dynamics.nearby import nearby_growth
-from gear_dynamics.study.initial import first_variations
-from gear_dynamics.study.operation import default_operation
+from gear_dynamics import dynamics
+from gear_dynamics.study.operating_point import default_operating_point
 from gear_dynamics.study.tasks import Runner
 
 
@@ -46,8 +44,8 @@ class CompilingRunner(Runner):
 
 def warm_up() -> None:
     """Run all kernels of the studies once, for one mesh cycle."""
-    operation = default_operation()
-    run = ([operation.pair], operation.speed, operation.load_torque, 1)
-    states = run_cycles(*run, vectors=first_variations(1)).states
-    run_cycles(*run, states=states)
-    nearby_growth(*run, states)
+    point = default_operating_point()
+    run = ([point.pair], point.speed, point.load_torque, 1)
+    states = dynamics.run_cycles(*run, vectors=dynamics.first_tangent_vectors(1)).states
+    dynamics.run_cycles(*run, states=states)
+    dynamics.nearby_growth(*run, states)

@@ -5,7 +5,7 @@ import pytest
 from systems import duffing_exponent, duffing_section, henon, logistic, maxima, rossler
 
 from gear_dynamics.dynamics.lyapunov import lyapunov_exponent
-from gear_dynamics.dynamics.regime import recurrence_period, regime
+from gear_dynamics.dynamics.regimes import recurrence_period, regime
 from gear_dynamics.dynamics.zero_one import zero_one_test
 
 UEDA = {'damping': 0.05, 'drive': 7.5}  # Ueda 1979: the Japanese attractor

@@ -98,7 +98,7 @@ def test_end_of_chaos_along_friction_is_refined():
 
 def test_edge_parts_growth_from_decay(monkeypatch):
     """Below the begin of chaos two nearby motions come together, above it they part."""
-    monkeypatch.setattr(chaos_edges, 'TRANSIENT', 300)
+    monkeypatch.setattr(chaos_edges, 'EDGE_TRANSIENT', 300)
     monkeypatch.setattr(chaos_edges, 'FINER', 4)
     chaos = study.friction_chaos()
     outcome = study.bifurcation(chaos, [0.0], begin=1.14, end=1.19, count=11, transient=200)

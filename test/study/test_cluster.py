@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 
 from gear_dynamics import study
+from gear_dynamics.study import cache
 from gear_dynamics.study import cluster as clusters
-from gear_dynamics.study import parts
-from gear_dynamics.study.basin_map import SCOUTS
 from gear_dynamics.study.cluster import Cluster, ClusterError
 from gear_dynamics.study.command import main
+from gear_dynamics.study.experiments.basins import SCOUTS
 from gear_dynamics.study.tasks import Runner
 
 dask = pytest.importorskip('dask', reason='dask is not installed')
@@ -81,7 +81,7 @@ def test_a_worker_killed_in_the_middle_leaves_every_bit_as_it_was(address, tmp_p
     there = study.basins(CHAOS, **size, runner=runner)
     killer.join()
     runner.close()
-    # The coarse picture, the one attractor that is judged, and the picture.
+    # The coarse picture, the one attractor that is assessed, and the picture.
     assert runner.computed == SCOUTS + 1 + 8
     with pytest.raises(ProcessLookupError):
         os.kill(killed[0], 0)
@@ -120,12 +120,12 @@ def test_a_task_that_ends_its_workers_is_given_up(address):
 
 
 def test_a_worker_with_other_code_is_refused(address, monkeypatch):
-    code = {**parts.code(), 'numpy': '0.1'}
+    code = {**cache.code(), 'numpy': '0.1'}
     monkeypatch.setattr(clusters, 'code', lambda: code)
     cluster = Cluster(address)
     words = f'the worker at tcp.* has numpy {np.__version__}, not 0.1: install the same there'
     with pytest.raises(ClusterError, match=words):
-        list(cluster.map(study.default_operation, [{}], [0]))
+        list(cluster.map(study.default_operating_point, [{}], [0]))
     cluster.close()
 
 
@@ -141,7 +141,7 @@ def test_a_lost_scheduler_is_told(scheduler):
     cluster = Cluster(address)
     threading.Timer(1.0, process.kill).start()
     with pytest.raises(ClusterError, match=f'scheduler at {address} was lost: start it again'):
-        list(cluster.map(study.default_operation, [{}], [0]))
+        list(cluster.map(study.default_operating_point, [{}], [0]))
     cluster.close()
 
 
@@ -151,7 +151,7 @@ def test_it_is_said_if_there_are_no_workers(scheduler, monkeypatch, capsys):
     cluster = Cluster(address)
     threading.Timer(1.0, process.kill).start()
     with pytest.raises(ClusterError):
-        list(cluster.map(study.default_operation, [{}], [0]))
+        list(cluster.map(study.default_operating_point, [{}], [0]))
     cluster.close()
     lines = capsys.readouterr().err.splitlines()
     assert lines == [f'study: waiting: the Dask scheduler at {address} has no workers: start one']

@@ -1,5 +1,6 @@
 """The `study` command: stopped and given again, on a full disk, and with wrong input."""
 
+import functools
 import inspect
 import os
 import re
@@ -14,15 +15,15 @@ import pytest
 
 from gear_dynamics import study
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.study.basin_map import SCOUTS
-from gear_dynamics.study.catalogue import STUDIES
 from gear_dynamics.study.command import main
+from gear_dynamics.study.declaration import defaults, study_module, study_names
+from gear_dynamics.study.experiments.basins import SCOUTS
 from gear_dynamics.study.warm_up import warm_up
 
 ROWS = 24
 COMMAND = ['basins', '--size', str(ROWS), '--transient', '400', '--quiet']
 TASKS = SCOUTS + 1 + ROWS
-"""Rows of the coarse picture, one attractor that is judged, and rows of the picture."""
+"""Rows of the coarse picture, one attractor that is assessed, and rows of the picture."""
 
 STOPPED = 'study: stopped; the same command goes on from what is finished'
 
@@ -169,15 +170,30 @@ def test_a_wrong_value_is_refused_before_anything_is_compiled(tmp_path, argument
     assert not list(cache.rglob('*.nb*'))
 
 
-def test_help_gives_the_defaults_of_the_functions():
-    for name, about in STUDIES.items():
+def test_help_shows_the_defaults_of_the_functions():
+    shown = defaults('bifurcation')
+    # Those that are None in the function depend on what is swept.
+    assert shown == {
+        'frictions': (0.0, 0.03), 'parameter': 'w', 'begin': 0.4, 'end': 2.0, 'count': 600,
+        'transient': 300, 'cycles': 150,
+    }  # fmt: skip
+    for name in study_names():
         taken = inspect.signature(getattr(study, name)).parameters
-        for option, what in about.options.items():
-            # Those of `bifurcation` that are None depend on what is swept.
-            if taken[option].default is not None:
-                assert taken[option].default == (
-                    tuple(what.default) if isinstance(what.default, list) else what.default
-                )
+        assert set(defaults(name)) == set(taken) - {'point', 'runner'}
+
+
+def test_help_loads_neither_compiler_nor_scipy_nor_matplotlib():
+    """A study is one module; all are imported for the help."""
+    code = (
+        'import sys\n'
+        'from gear_dynamics.study.command import main\n'
+        'try: main(["--help"])\n'
+        'except SystemExit: pass\n'
+        'print(sorted({"numba", "matplotlib", "scipy"} & set(sys.modules)))'
+    )
+    done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True, check=True)
+    assert done.stdout.endswith('[]\n')
+    assert all(f'\n    {name}' in done.stdout for name in study_names())
 
 
 @pytest.mark.parametrize(
@@ -241,11 +257,12 @@ def operation_of(tmp_path, monkeypatch, arguments):
     """Return what `study basins` is asked to study, given a file that `to_yaml` wrote."""
     asked = []
 
-    def basins(operation, **options):
-        asked.append(operation)
+    @functools.wraps(study_module('basins').basins)
+    def basins(point, **options):
+        asked.append(point)
         raise ValueError('enough')
 
-    monkeypatch.setattr(study, 'basins', basins, raising=False)
+    monkeypatch.setattr(study_module('basins'), 'basins', basins)
     path = tmp_path / 'pair.yaml'
     GearPair(friction_coefficient=0.01).to_yaml(path)
     command = ['basins', '--params', str(path), '--output', str(tmp_path / 'out')]

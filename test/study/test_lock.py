@@ -4,8 +4,8 @@ import os
 
 import pytest
 
+from gear_dynamics.study.cache import alone
 from gear_dynamics.study.command import main
-from gear_dynamics.study.lock import alone
 
 
 def assert_held(output, study):

@@ -3,7 +3,7 @@ import pytest
 
 from gear_dynamics.study import records
 from gear_dynamics.study.initial import scattered_states
-from gear_dynamics.study.operation import friction_chaos
+from gear_dynamics.study.operating_point import friction_chaos
 from gear_dynamics.study.tasks import Runner
 
 

@@ -1,5 +1,4 @@
 import csv
-import importlib
 import re
 
 import numpy as np
@@ -10,26 +9,26 @@ from study.convergence import assert_table_ends_at_the_exponents
 from gear_dynamics import study
 from gear_dynamics.dynamics.attractors import same_orbit
 from gear_dynamics.dynamics.cycles import run_cycles
+from gear_dynamics.dynamics.exponents import lyapunov_spectrum
+from gear_dynamics.dynamics.regimes import Regime
 from gear_dynamics.study.command import main
-from gear_dynamics.study.exponents import exponents
-from gear_dynamics.study.figures.style import save_figure
-from gear_dynamics.study.initial import states_at
-from gear_dynamics.study.kind import Kind
-from gear_dynamics.study.lyapunov_table import (
-    SOURCE,
+from gear_dynamics.study.declaration import study_module
+from gear_dynamics.study.drawing import save_figure
+from gear_dynamics.study.experiments.bifurcation import in_kind, in_place
+from gear_dynamics.study.findings import (
     Finding,
     differing_words,
-    is_published,
     pooled,
     support_exponents,
     unsettled_words,
 )
-from gear_dynamics.study.operation import read_operation
-from gear_dynamics.study.orbit_diagram import in_kind, in_place
+from gear_dynamics.study.initial import states_at
+from gear_dynamics.study.operating_point import read_operating_point
 from gear_dynamics.study.outcome import write_outcome
+from gear_dynamics.study.published import SOURCE, is_published
 
 CHAOS = study.friction_chaos()
-NEAR = read_operation(ROOT / 'config' / 'friction_chaos_near.yaml')
+NEAR = read_operating_point(ROOT / 'config' / 'friction_chaos_near.yaml')
 
 
 def test_preset_is_at_the_frequency_ratio_of_the_source():
@@ -173,8 +172,8 @@ def test_attractor_has_the_sections_of_its_kind():
 def test_record_that_is_not_settled_is_named():
     drifting = np.random.default_rng(0).normal(size=(400, 10)) - np.arange(10) * 10
     drifting[:, 2] += np.linspace(0, 9, 400)
-    found = exponents(drifting, 1.0)
-    one = Finding(0.0, found, Kind('chaotic', 0, 1.0), 0.0, 0.0, -1.0)
+    found = lyapunov_spectrum(drifting, 1.0)
+    one = Finding(0.0, found, Regime('chaotic', 0, np.nan, 1.0, None), 0.0, 0.0, -1.0)
     assert unsettled_words([one]) == [
         '  not settled: 1 of 1 records, in exponents 3: run more cycles'
     ]
@@ -209,7 +208,7 @@ def test_completions_alone_stand_beside_the_published_exponents():
     assert is_published(CHAOS.with_value('friction_coefficient', 0.0).with_value('w', 1.222))
     assert not is_published(CHAOS.with_value('w', 1.223))
     assert not is_published(CHAOS.with_value('half_backlash', 140e-6))
-    assert not is_published(study.default_operation())
+    assert not is_published(study.default_operating_point())
 
 
 def test_exponents_that_differ_between_the_two_ways_are_told():
@@ -233,9 +232,9 @@ SMALL = {
 
 @pytest.mark.parametrize('name', SMALL)
 def test_every_column_and_array_has_its_unit_and_the_figure_draws(tmp_path, name):
-    operation = study.default_operation() if name in ('spectrum', 'response') else CHAOS
+    operation = study.default_operating_point() if name in ('spectrum', 'response') else CHAOS
     outcome = getattr(study, name)(operation, **SMALL[name])
-    draw = importlib.import_module(f'gear_dynamics.study.figures.{name}').draw
+    draw = study_module(name).draw
     save_figure(draw, outcome.arrays, tmp_path / f'{name}.png')
     assert (tmp_path / f'{name}.png').read_bytes().startswith(b'\x89PNG')
     paths = write_outcome(outcome, tmp_path)

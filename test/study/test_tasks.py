@@ -4,9 +4,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gear_dynamics.study import parts
-from gear_dynamics.study.operation import friction_chaos
-from gear_dynamics.study.parts import fingerprint
+from gear_dynamics.study import cache
+from gear_dynamics.study.cache import fingerprint
+from gear_dynamics.study.operating_point import friction_chaos
 from gear_dynamics.study.tasks import Runner, chunks
 from gear_dynamics.versions import versions
 
@@ -58,9 +58,9 @@ def test_a_damaged_part_is_computed_again_and_the_others_are_not(tmp_path, damag
 
 
 def test_results_of_other_code_are_not_taken(tmp_path, monkeypatch):
-    other = {**parts.code(), 'sources': 'other'}
+    other = {**cache.code(), 'sources': 'other'}
     with monkeypatch.context() as patch:
-        patch.setattr(parts, 'code', lambda: other)
+        patch.setattr(cache, 'code', lambda: other)
         Runner(tmp_path).run(square, [{'x': 7}])
     CALLS.clear()
     runner = Runner(tmp_path)
@@ -72,8 +72,8 @@ def test_results_of_other_code_are_not_taken(tmp_path, monkeypatch):
 
 
 def test_code_is_told_by_versions_and_sources():
-    assert parts.code()['numpy'] == np.__version__
-    assert set(parts.code()) == {*versions(), 'sources'}
+    assert cache.code()['numpy'] == np.__version__
+    assert set(cache.code()) == {*versions(), 'sources'}
 
 
 def test_a_disk_that_is_full_keeps_what_was_there(tmp_path, monkeypatch):
@@ -129,14 +129,14 @@ def test_progress_is_shown_for_a_label_alone(capsys):
 
 def test_fingerprints_tell_arguments_apart():
     operation = friction_chaos()
-    same = {'operation': operation, 'states': np.zeros(3)}
+    same = {'point': operation, 'states': np.zeros(3)}
     others = [
-        {'operation': operation.with_value('w', 1.0), 'states': np.zeros(3)},
-        {'operation': operation.with_value('friction_coefficient', 0.0), 'states': np.zeros(3)},
-        {'operation': operation, 'states': np.zeros(3, np.float32)},
-        {'operation': operation, 'states': np.array([0, 0, 1e-300])},
+        {'point': operation.with_value('w', 1.0), 'states': np.zeros(3)},
+        {'point': operation.with_value('friction_coefficient', 0.0), 'states': np.zeros(3)},
+        {'point': operation, 'states': np.zeros(3, np.float32)},
+        {'point': operation, 'states': np.array([0, 0, 1e-300])},
     ]
-    assert fingerprint(same) == fingerprint({'states': np.zeros(3), 'operation': friction_chaos()})
+    assert fingerprint(same) == fingerprint({'states': np.zeros(3), 'point': friction_chaos()})
     assert len({fingerprint(each) for each in [same, *others]}) == 5
 
 

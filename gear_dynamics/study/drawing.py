@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.artist import Artist
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
-from matplotlib.patches import Patch
 
 from gear_dynamics.figure_style import INK, STYLE
+from gear_dynamics.study.outcome import Arrays
 
-Arrays = dict[str, np.ndarray]
-Draw = Callable[[Arrays], Figure]
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.patches import Patch
+
+Draw = Callable[[Arrays], 'Figure']
 
 BAND = 0.25
 """Opacity of what shades standard errors."""
@@ -24,6 +25,9 @@ BAND = 0.25
 
 def new_figure(width: float, height: float, title: str) -> Figure:
     """Return an empty figure with a title; sizes in inches."""
+    from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
+
     figure = Figure(figsize=(width, height), layout=ConstrainedLayoutEngine(h_pad=0.08, w_pad=0.08))
     figure.suptitle(title, x=0.012, ha='left', fontsize=12, fontweight='bold')
     return figure
@@ -31,6 +35,8 @@ def new_figure(width: float, height: float, title: str) -> Figure:
 
 def save_figure(draw: Draw, arrays: Arrays, path: Path) -> None:
     """Draw a figure and write it as PNG."""
+    import matplotlib as mpl
+
     with mpl.rc_context({**STYLE, 'axes.grid': True}):
         draw(arrays).savefig(path, dpi=130)
 
@@ -50,6 +56,8 @@ def draw_band(axes: Axes, x: np.ndarray, y: np.ndarray, error: np.ndarray, colou
 
 def band_handle() -> Patch:
     """Return what stands for such bands in a legend."""
+    from matplotlib.patches import Patch
+
     return Patch(color=INK, alpha=BAND, linewidth=0, label='± 2 standard errors')
 
 

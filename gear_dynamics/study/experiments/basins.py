@@ -3,29 +3,42 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gear_dynamics import dynamics
 from gear_dynamics.dynamics.attractors import Attractor, assign, reached, same_orbit
-from gear_dynamics.dynamics.cycles import Cycles, run_cycles
-from gear_dynamics.dynamics.regime import ENOUGH, recurrence_period
-from gear_dynamics.study.exponents import (
+from gear_dynamics.dynamics.regimes import (
+    ENOUGH,
+    LONGEST_STUDIED,
+    RECURS,
+    UNDECIDED,
+    recurrence_period,
+)
+from gear_dynamics.figure_style import COLOURS, FAINT, INK
+from gear_dynamics.study.assessment import assess
+from gear_dynamics.study.declaration import TRANSIENT_OPTION, Option, Study
+from gear_dynamics.study.drawing import legend_below, new_figure
+from gear_dynamics.study.exponent_tables import (
     EXPONENT_UNITS,
     convergence_table,
     exponent_columns,
     verdict,
 )
 from gear_dynamics.study.initial import states_at
-from gear_dynamics.study.judgement import judge
-from gear_dynamics.study.kind import LONGEST_PERIOD, RECURS, UNDECIDED
-from gear_dynamics.study.operation import Operation
-from gear_dynamics.study.outcome import Outcome
-from gear_dynamics.study.tasks import Arrays, Runner
+from gear_dynamics.study.operating_point import OperatingPoint, friction_chaos
+from gear_dynamics.study.outcome import Arrays, Outcome
+from gear_dynamics.study.tasks import Runner
 
-LOOK = 2 * LONGEST_PERIOD
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+LOOK = 2 * LONGEST_STUDIED
 """Mesh cycles between two looks at which attractors the motions have reached."""
 
-RECORD = 4 * LONGEST_PERIOD
+RECORD = 4 * LONGEST_STUDIED
 """Mesh cycles from which the period of a motion that reached no known attractor is told."""
 
 SCOUTS = 8
@@ -48,9 +61,19 @@ UNITS = {
     **EXPONENT_UNITS,
 }
 
+STUDY = Study(
+    'which attractor each initial state reaches',
+    friction_chaos,
+    {
+        'size': Option('initial states along each side of the picture', 2),
+        'reach': Option('greatest delta / b and delta_dot / (b wn), above 0'),
+        'transient': TRANSIENT_OPTION,
+    },
+)
+
 
 def basins_task(
-    operation: Operation,
+    point: OperatingPoint,
     delta: np.ndarray,
     delta_dot: np.ndarray,
     transient: int,
@@ -63,22 +86,22 @@ def basins_task(
     period; `states` is where they end.
     """
     n = len(delta)
-    states = states_at(operation, delta, delta_dot)
+    states = states_at(point, delta, delta_dot)
     sections = np.zeros((n, RECORD, 2))
     labels = np.full(n, -1)
     for cycles in _looks(transient, known):
         rest = np.flatnonzero(labels < 0)
         if not rest.size:
             break
-        run = _run(operation, states[rest], cycles)
+        run = _run(point, states[rest], cycles)
         states[rest] = run.states
-        labels[rest] = assign(operation.scaled(run.sections), known)
+        labels[rest] = assign(point.scaled(run.sections), known)
     for cycles in (RECORD, ENOUGH):
         rest = np.flatnonzero((labels < 0) & (np.array([*map(_period, sections)]) == 0))
         if rest.size:
-            run = _run(operation, states[rest], cycles)
+            run = _run(point, states[rest], cycles)
             states[rest] = run.states
-            sections[rest] = operation.scaled(run.sections[:, -RECORD:])
+            sections[rest] = point.scaled(run.sections[:, -RECORD:])
             labels[rest] = assign(sections[rest], known)
     new = labels < 0
     return {'label': labels, 'sections': sections[new], 'states': states[new]}
@@ -92,25 +115,25 @@ def _looks(transient: int, known: list[Attractor]) -> list[int]:
     return [LOOK] * count
 
 
-def _run(operation: Operation, states: np.ndarray, cycles: int) -> Cycles:
-    pairs = [operation.pair] * len(states)
-    run = (pairs, operation.speed, operation.load_torque, cycles)
-    return run_cycles(*run, states=states, section_phase=SECTION)
+def _run(point: OperatingPoint, states: np.ndarray, cycles: int) -> dynamics.Cycles:
+    pairs = [point.pair] * len(states)
+    run = (pairs, point.speed, point.load_torque, cycles)
+    return dynamics.run_cycles(*run, states=states, section_phase=SECTION)
 
 
 def _period(section: np.ndarray) -> int:
     if not section.any():
         return 0
-    return recurrence_period(section, RECURS, LONGEST_PERIOD)[0]
+    return recurrence_period(section, RECURS, LONGEST_STUDIED)[0]
 
 
-def judge_task(operation: Operation, states: np.ndarray) -> Arrays:
-    """Return what `judge` finds of one motion from each attractor."""
-    return judge([operation] * len(states), states, ENOUGH, section_phase=SECTION)
+def assess_task(point: OperatingPoint, states: np.ndarray) -> Arrays:
+    """Return what `assess` finds of one motion from each attractor."""
+    return assess([point] * len(states), states, ENOUGH, section_phase=SECTION)
 
 
 def basins(
-    operation: Operation,
+    point: OperatingPoint,
     *,
     size: int = 80,
     reach: tuple[float, float] = (2.0, 1.0),
@@ -123,11 +146,11 @@ def basins(
     found from a coarse picture first; a motion is then followed until it has reached one of them,
     and a motion that reaches none of them adds a new one. Periodic orbits are told apart by their
     points on the section, others by where these lie (`dynamics.attractors`). Each attractor is
-    judged once (`judgement.judge`), from one motion on it.
+    assessed once (`assessment.assess`), from one motion on it.
 
     Parameters
     ----------
-    operation : Operation
+    point : OperatingPoint
     size : int
         Initial states along each side of the picture.
     reach : two floats
@@ -153,24 +176,24 @@ def basins(
     runner = runner or Runner()
     delta = np.linspace(-reach[0], reach[0], size)
     delta_dot = np.linspace(-reach[1], reach[1], size)
-    found = _Table(operation, runner)
+    found = _Table(point, runner)
     with runner.progress(size + SCOUTS, 'basins'):
         coarse = [np.linspace(-each, each, SCOUTS) for each in reach]
-        _label_rows(operation, coarse[0], coarse[1], transient, found, runner)
-        labels = _label_rows(operation, delta, delta_dot, transient, found, runner)
+        _label_rows(point, coarse[0], coarse[1], transient, found, runner)
+        labels = _label_rows(point, delta, delta_dot, transient, found, runner)
     arrays = _arrays(labels, found)
     arrays |= {'delta': delta, 'delta_dot': delta_dot}
     table = _states(arrays) | {'attractor [1]': arrays['label'].ravel()}
-    return Outcome('basins', _text(operation, arrays), table, arrays, UNITS, _tables(arrays))
+    return Outcome('basins', _text(point, arrays), table, arrays, UNITS, _tables(arrays))
 
 
 class _Table:
     """The attractors found so far, in the order in which they were found."""
 
-    def __init__(self, operation: Operation, runner: Runner) -> None:
-        self._operation, self._runner = operation, runner
+    def __init__(self, point: OperatingPoint, runner: Runner) -> None:
+        self._operation, self._runner = point, runner
         self.attractors: list[Attractor] = []
-        self.judged: list[Arrays] = []
+        self.assessed: list[Arrays] = []
 
     def number(self, section: np.ndarray, state: np.ndarray) -> int:
         """Return the number of the attractor that a motion has reached, a new one if need be."""
@@ -178,17 +201,17 @@ class _Table:
         return self._add(state) if label < 0 else label
 
     def _add(self, state: np.ndarray) -> int:
-        arguments = {'operation': self._operation, 'states': state[np.newaxis]}
-        judged = self._runner.run(judge_task, [arguments])[0]
-        period = int(judged['period'][0])
-        kind, points = str(judged['kind'][0]), judged['sections'][0]
+        arguments = {'point': self._operation, 'states': state[np.newaxis]}
+        assessed = self._runner.run(assess_task, [arguments])[0]
+        period = int(assessed['period'][0])
+        kind, points = str(assessed['kind'][0]), assessed['sections'][0]
         # A motion that took longer than all others may have come to a known attractor by now.
         for i, known in enumerate(self.attractors):
             one_orbit = period and same_orbit(points[-period:], known.points)
             if one_orbit or (not period and kind == known.kind and _one_place(points, known)):
                 return i
         self.attractors.append(Attractor(kind, period, points[-period:]))
-        self.judged.append(judged)
+        self.assessed.append(assessed)
         return len(self.attractors) - 1
 
 
@@ -201,7 +224,7 @@ def _one_place(points: np.ndarray, known: Attractor) -> bool:
 
 
 def _label_rows(
-    operation: Operation,
+    point: OperatingPoint,
     delta: np.ndarray,
     delta_dot: np.ndarray,
     transient: int,
@@ -211,7 +234,7 @@ def _label_rows(
     """Return the attractor of each initial state, (delta_dot, delta); add new ones to the table."""
     arguments = [
         {
-            'operation': operation,
+            'point': point,
             'delta': delta,
             'delta_dot': np.full(len(delta), each),
             'transient': transient,
@@ -248,7 +271,7 @@ def _arrays(labels: np.ndarray, found: _Table) -> Arrays:
         'points_of': np.repeat(np.arange(len(order)), [len(each.points) for each in attractors]),
     }
     for name in EXPONENT_UNITS:
-        arrays[name] = np.concatenate([found.judged[i][name] for i in order])
+        arrays[name] = np.concatenate([found.assessed[i][name] for i in order])
     return arrays
 
 
@@ -258,10 +281,10 @@ def _name(attractor: Attractor) -> str:
     return f'{attractor.kind} about {attractor.points[:, 0].mean():.3f} b'
 
 
-def _text(operation: Operation, arrays: Arrays) -> str:
+def _text(point: OperatingPoint, arrays: Arrays) -> str:
     lines = [
-        f'w = {operation.frequency_ratio:.4f}, mu = {operation.pair.friction_coefficient:g}, '
-        f'load torque {operation.load_torque:g} N m: {arrays["label"].size} initial states'
+        f'w = {point.frequency_ratio:.4f}, mu = {point.pair.friction_coefficient:g}, '
+        f'load torque {point.load_torque:g} N m: {arrays["label"].size} initial states'
     ]
     columns = (arrays[name] for name in ('share', 'share_error', 'names'))
     largest = zip(arrays['exponents'][:, 0], arrays['standard_errors'][:, 0], strict=True)
@@ -299,3 +322,38 @@ def _tables(arrays: Arrays) -> dict[str, dict[str, np.ndarray]]:
         },
         '_convergence': convergence_table({'attractor [1]': numbers}, arrays),
     }
+
+
+SURFACE = '#ffffff'
+
+NAMED = len(COLOURS)
+"""Attractors with a colour of their own; those that few states reach share one."""
+
+
+def draw(arrays: Arrays) -> Figure:
+    """Draw the attractor of each initial state in its colour, with shares, and its points."""
+    from matplotlib.colors import ListedColormap
+    from matplotlib.patches import Patch
+
+    figure = new_figure(8, 6.5, 'Which motion an initial state ends in')
+    axes = figure.subplots()
+    label = np.minimum(arrays['label'], NAMED)
+    colours = ListedColormap([*COLOURS, FAINT])
+    axes.pcolormesh(
+        arrays['delta'], arrays['delta_dot'], label, cmap=colours, vmin=-0.5, vmax=NAMED + 0.5
+    )
+    for i in range(min(NAMED, len(arrays['share']))):
+        points = arrays['points'][arrays['points_of'] == i]
+        size, edge = (28, 0.8) if arrays['period'][i] else (1, 0)
+        axes.scatter(*points.T, s=size, color=SURFACE if edge else INK, edgecolor=INK, lw=edge)
+    axes.set(xlabel='δ / b', ylabel="δ' / (b ωn)")
+    axes.grid(False)
+    shares = arrays['share']
+    handles = [
+        Patch(color=COLOURS[i], label=f'{arrays["names"][i]}: {shares[i]:.1%}')
+        for i in range(min(NAMED, len(shares)))
+    ]
+    if len(shares) > NAMED:
+        handles.append(Patch(color=FAINT, label=f'others: {shares[NAMED:].sum():.1%}'))
+    legend_below(axes, handles)
+    return figure

@@ -4,30 +4,41 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gear_dynamics.dynamics.cycles import run_cycles
-from gear_dynamics.dynamics.regime import recurrence_period
+from gear_dynamics import dynamics
+from gear_dynamics.dynamics.regimes import LONGEST_STUDIED, PERIOD, RECURS, recurrence_period
+from gear_dynamics.figure_style import COLOURS, FAINT, INK
 from gear_dynamics.parameters.parameter import ParameterError
+from gear_dynamics.study.declaration import TRANSIENT_OPTION, Option, Study
+from gear_dynamics.study.drawing import legend_below, new_figure
 from gear_dynamics.study.harmonics import (
+    ACCELERATIONS,
     DRAWN,
     HARMONICS,
+    QUANTITIES,
     row_of,
     row_of_slope,
     slope_harmonics,
 )
 from gear_dynamics.study.initial import scattered_states
-from gear_dynamics.study.judgement import unzip
-from gear_dynamics.study.kind import LONGEST_PERIOD, PERIOD, RECURS
-from gear_dynamics.study.lyapunov_table import with_frictions
-from gear_dynamics.study.operation import Operation
-from gear_dynamics.study.outcome import Outcome
+from gear_dynamics.study.operating_point import (
+    OperatingPoint,
+    default_operating_point,
+    unzip,
+    with_frictions,
+)
+from gear_dynamics.study.outcome import Arrays, Outcome
+from gear_dynamics.study.published import CLAIMS, holds
 from gear_dynamics.study.sweep import check_range
-from gear_dynamics.study.tasks import Arrays, Runner, chunks
+from gear_dynamics.study.tasks import Runner, chunks
 
-ACCELERATIONS = ('pinion_ax', 'pinion_ay', 'gear_ax', 'gear_ay')
-QUANTITIES = (*ACCELERATIONS, 'delta', 'mesh_force', 'friction_force')
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
 
 BODY_UNITS = {
     'pinion_x': 'm',
@@ -51,22 +62,6 @@ RATES = {
 """What the accelerations of that table are the slopes of."""
 
 OTHER_UNITS = {'delta': 'm', 'mesh_force': 'N', 'friction_force': 'N'}
-
-CLAIMS = {
-    'all_directions': 'vibration rises in all directions: x and y of both wheels',
-    'y1_rises': '  y of the pinion',
-    'y2_rises': '  y of the gear',
-    'most_in_x': 'it rises most in x: by more than in y, on both wheels',
-    'most_in_x1': '  on the pinion',
-    'most_in_x2': '  on the gear',
-    'into_first': 'the energy goes into the first mesh harmonic: all of the following',
-    'first_rises': '  of the mesh force the first harmonic rises',
-    'first_rises_most': '  and rises by more than harmonics 2 to 5',
-    'first_leads_x1': '  of x of the pinion the first harmonic is the highest of 1 to 5',
-    'first_leads_x2': '  of x of the gear the first harmonic is the highest of 1 to 5',
-    'all_claims': 'all three',
-}
-"""The source's claims and their parts, each by itself."""
 
 UNITS = {
     'friction': '1',
@@ -96,25 +91,38 @@ DRIVE_SETTLES = 5000
 
 AT_ONCE = 30
 
+STUDY = Study(
+    'RMS and mesh harmonics with and without friction, and a map over phase and speed',
+    default_operating_point,
+    {
+        'frictions': Option('two friction coefficients to compare'),
+        'phases': Option('phases of the transmission error in the map; 0 for no map', 0),
+        'speeds': Option('speeds in the map', 1),
+        'slowest': Option('lowest speed of the map [rad/s]'),
+        'fastest': Option('highest speed of the map [rad/s]'),
+        'transient': TRANSIENT_OPTION,
+    },
+)
 
-def recurrence(operation: Operation, sections: np.ndarray) -> tuple[int, int]:
+
+def recurrence(point: OperatingPoint, sections: np.ndarray) -> tuple[int, int]:
     """Return the period of a motion, 0 without one, and of how many cycles its record is.
 
     sections : (cycles, ...) array
         As `run_cycles` has them, up to the end of the record of RECORD cycles.
     """
-    scaled = operation.scaled(sections[-RECURS_IN:])
-    period, _ = recurrence_period(scaled, RECURS, LONGEST_PERIOD)
+    scaled = point.scaled(sections[-RECURS_IN:])
+    period, _ = recurrence_period(scaled, RECURS, LONGEST_STUDIED)
     return period, RECORD // period * period if period else RECORD
 
 
-def table_task(operation: Operation) -> Arrays:
+def table_task(point: OperatingPoint) -> Arrays:
     """Return all rows of the full form, once the drive has settled."""
-    pairs = [operation.pair]
-    run = (pairs, operation.speed, operation.load_torque)
-    before = run_cycles(*run, DRIVE_SETTLES, drive=True)
+    pairs = [point.pair]
+    run = (pairs, point.speed, point.load_torque)
+    before = dynamics.run_cycles(*run, DRIVE_SETTLES, drive=True)
     # A cycle more, for what rates have come to at the end.
-    after = run_cycles(
+    after = dynamics.run_cycles(
         *run,
         RECORD + 1,
         states=before.states,
@@ -123,7 +131,7 @@ def table_task(operation: Operation) -> Arrays:
         with_bodies=True,
     )
     sections = np.concatenate([before.sections[0], after.sections[0]])
-    period, cycles = recurrence(operation, sections)
+    period, cycles = recurrence(point, sections)
     end, duration = cycles * TABLE_SAMPLES, cycles * float(after.period[0])
     samples, bodies = after.samples[0], after.bodies[0]
     found = {name: samples[name] for name in (*QUANTITIES, 'delta_dot')}
@@ -139,19 +147,19 @@ def table_task(operation: Operation) -> Arrays:
     }
 
 
-def map_task(operations: list[Operation], transient: int) -> Arrays:
+def map_task(points: list[OperatingPoint], transient: int) -> Arrays:
     """Return rows of QUANTITIES of motions of the reduced form, (n, quantities, 6), and periods.
 
     The period is 0 for a motion without one: what its record shows is partly chance.
     """
-    pairs, speeds, torques = unzip(operations)
-    states = np.concatenate([scattered_states(each, 1) for each in operations])
-    before = run_cycles(pairs, speeds, torques, transient, states=states)
-    after = run_cycles(
+    pairs, speeds, torques = unzip(points)
+    states = np.concatenate([scattered_states(each, 1) for each in points])
+    before = dynamics.run_cycles(pairs, speeds, torques, transient, states=states)
+    after = dynamics.run_cycles(
         pairs, speeds, torques, RECORD, states=before.states, samples_per_cycle=MAP_SAMPLES
     )
     sections = np.concatenate([before.sections, after.sections], axis=1)
-    found = [recurrence(*each) for each in zip(operations, sections, strict=True)]
+    found = [recurrence(*each) for each in zip(points, sections, strict=True)]
     rows = [
         [row_of(samples[name][: cycles * MAP_SAMPLES], cycles) for name in QUANTITIES]
         for samples, (_, cycles) in zip(after.samples, found, strict=True)
@@ -160,7 +168,7 @@ def map_task(operations: list[Operation], transient: int) -> Arrays:
 
 
 def spectrum(
-    operation: Operation,
+    point: OperatingPoint,
     frictions: Sequence[float] = (0.0, 0.03),
     *,
     phases: int = 24,
@@ -174,7 +182,7 @@ def spectrum(
 
     Parameters
     ----------
-    operation : Operation
+    point : OperatingPoint
     frictions : two floats
         Friction coefficients: the one to compare with, and the other.
     phases, speeds : int
@@ -195,12 +203,12 @@ def spectrum(
         raise ParameterError(f'{len(frictions)} friction coefficients are given: give two')
     check_range(slowest=slowest, fastest=fastest)
     runner = runner or Runner()
-    rubbing = with_frictions(operation, frictions)
+    rubbing = with_frictions(point, frictions)
     angles = np.linspace(-math.pi, math.pi, phases, endpoint=False)
     grid = np.linspace(slowest, fastest, speeds)
     # Before anything is computed, so that a speed out of range is refused at once.
     places = _places(rubbing, angles, grid)
-    results = runner.run(table_task, [{'operation': each} for each in rubbing], 'spectra')
+    results = runner.run(table_task, [{'point': each} for each in rubbing], 'spectra')
     arrays = {name: np.array([result[name] for result in results]) for name in results[0]}
     arrays |= {'friction': np.array(frictions), 'order': np.arange(1, DRAWN + 1)}
     further = {}
@@ -209,12 +217,12 @@ def spectrum(
         arrays |= _map(places, (len(rubbing), phases, speeds), transient, runner)
         further = {'_map': _map_table(arrays)}
     units = _quantities() | UNITS
-    return Outcome('spectrum', _text(operation, arrays), _table(arrays), arrays, units, further)
+    return Outcome('spectrum', _text(point, arrays), _table(arrays), arrays, units, further)
 
 
 def _places(
-    rubbing: Sequence[Operation], angles: np.ndarray, speeds: np.ndarray
-) -> list[Operation]:
+    rubbing: Sequence[OperatingPoint], angles: np.ndarray, speeds: np.ndarray
+) -> list[OperatingPoint]:
     """Return what is run for the map: each friction at each phase and speed."""
     return [
         each.with_value('transmission_error_phase', float(angle)).with_value('speed', float(speed))
@@ -225,11 +233,11 @@ def _places(
 
 
 def _map(
-    places: list[Operation], shape: tuple[int, int, int], transient: int, runner: Runner
+    places: list[OperatingPoint], shape: tuple[int, int, int], transient: int, runner: Runner
 ) -> dict[str, np.ndarray]:
     """Return rows, periods and claims; shape : frictions, phases and speeds of the places."""
     arguments = [
-        {'operations': places[part], 'transient': max(transient, RECURS_IN - RECORD)}
+        {'points': places[part], 'transient': max(transient, RECURS_IN - RECORD)}
         for part in chunks(len(places), AT_ONCE)
     ]
     results = runner.run(map_task, arguments, 'map')
@@ -240,45 +248,11 @@ def _map(
     return {'map': rows, 'map_period': period} | claims
 
 
-def holds(rows: np.ndarray) -> dict[str, np.ndarray]:
-    """Return where each claim of the source holds, by the names of CLAIMS, from a map's rows.
-
-    Vibration is the RMS of an acceleration. x vibrates by friction alone, so that it always rises,
-    and by all that it is.
-
-    Parameters
-    ----------
-    rows : (2, ..., quantities, 6) array
-        Without and with friction.
-    """
-    at = {name: i for i, name in enumerate(QUANTITIES)}
-    rise = {name: rows[1, ..., at[name], :] - rows[0, ..., at[name], :] for name in QUANTITIES}
-    rms = {name: rise[name][..., 0] for name in ACCELERATIONS}
-    force = rise['mesh_force'][..., 1:]
-    found = {
-        'y1_rises': rms['pinion_ay'] > 0,
-        'y2_rises': rms['gear_ay'] > 0,
-        'most_in_x1': rms['pinion_ax'] > rms['pinion_ay'],
-        'most_in_x2': rms['gear_ax'] > rms['gear_ay'],
-        'first_rises': force[..., 0] > 0,
-        'first_rises_most': (force[..., 0] > 0) & (force.argmax(axis=-1) == 0),
-        'first_leads_x1': rows[1, ..., at['pinion_ax'], 1:].argmax(axis=-1) == 0,
-        'first_leads_x2': rows[1, ..., at['gear_ax'], 1:].argmax(axis=-1) == 0,
-    }
-    found['all_directions'] = found['y1_rises'] & found['y2_rises']
-    found['most_in_x'] = found['most_in_x1'] & found['most_in_x2']
-    found['into_first'] = (
-        found['first_rises_most'] & found['first_leads_x1'] & found['first_leads_x2']
-    )
-    found['all_claims'] = found['all_directions'] & found['most_in_x'] & found['into_first']
-    return {name: found[name] for name in CLAIMS}
-
-
-def _text(operation: Operation, arrays: dict[str, np.ndarray]) -> str:
+def _text(point: OperatingPoint, arrays: dict[str, np.ndarray]) -> str:
     without, with_friction = arrays['friction']
     lines = [
-        f'{operation.speed * 30 / math.pi:.0f} rpm, {operation.load_torque:g} N m, '
-        f'phi0 = {math.degrees(operation.pair.transmission_error_phase):g} deg: '
+        f'{point.speed * 30 / math.pi:.0f} rpm, {point.load_torque:g} N m, '
+        f'phi0 = {math.degrees(point.pair.transmission_error_phase):g} deg: '
         f'mu = {with_friction:g} against mu = {without:g}',
     ]
     lines += [_record_words(arrays, i) for i in range(2)]
@@ -372,3 +346,90 @@ def _map_table(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         columns[f'{name}_first_harmonic_rise [{unit}]'] = rows[1, ..., i, 1] - rows[0, ..., i, 1]
     columns |= {f'{name} [1]': arrays[f'map_{name}'].astype(int) for name in CLAIMS}
     return {name: column.ravel() for name, column in columns.items()}
+
+
+CLAIMED = {
+    'all_directions': 'claim 1: rises in all directions',
+    'most_in_x': 'claim 2: rises most in x',
+    'into_first': 'claim 3: into the first harmonic',
+}
+"""Maps of where the source's claims hold."""
+
+
+def draw(arrays: Arrays) -> Figure:
+    """Draw the lines of the pinion's acceleration above the maps over phase and speed."""
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    has_map = 'map' in arrays
+    figure = new_figure(12, 11 if has_map else 4, 'What friction does to the vibration')
+    parts = figure.subfigures(3 if has_map else 1, 1, squeeze=False)[:, 0]
+    left, right = parts[0].subplots(1, 2)
+    _lines(left, arrays, 'ay_lines', 'pinion, along the line of action (y)')
+    _lines(right, arrays, 'ax_lines', 'pinion, across the line of action (x)')
+    if has_map:
+        left, right = parts[1].subplots(1, 2)
+        _ratio(left, arrays, 'pinion_ay', 0, "RMS of the pinion's acceleration along y")
+        _ratio(right, arrays, 'mesh_force', 1, 'first mesh harmonic of the mesh force')
+        parts[2].suptitle(
+            'Where the claims hold: shares of the places where both motions have a period',
+            fontsize=10,
+        )
+        claims = parts[2].subplots(1, 3, sharey=True)
+        for axes, name in zip(claims, CLAIMED, strict=True):
+            _claim(axes, arrays, name)
+        true, false = Patch(color=COLOURS[0], label='holds'), Patch(color=FAINT, label='does not')
+        irregular = Line2D([], [], color=INK, marker='.', linestyle='none', label='no period')
+        legend_below(claims[1], [true, false, irregular])
+    return figure
+
+
+def _lines(axes: Axes, arrays: Arrays, name: str, title: str) -> None:
+    from matplotlib.ticker import MaxNLocator
+
+    for i, mu in enumerate(arrays['friction']):
+        orders = arrays['order'] + 0.3 * (i - 0.5)
+        label = f'μ = {mu:g}' + ('' if arrays['period'][i] else ', no period')
+        axes.bar(orders, arrays[name][i], 0.3, color=COLOURS[i], label=label)
+    axes.set(xlabel='mesh harmonic', ylabel='amplitude [m/s²]', title=title)
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.legend()
+
+
+def _ratio(axes: Axes, arrays: Arrays, name: str, which: int, title: str) -> None:
+    import matplotlib as mpl
+
+    rows = arrays['map'][..., QUANTITIES.index(name), which]
+    with np.errstate(divide='ignore', invalid='ignore'):
+        change = 100 * (rows[1] / rows[0] - 1)
+    limit = 20.0
+    norm = mpl.colors.Normalize(-limit, limit)
+    axes.pcolormesh(*_map_axes(arrays), change, cmap='RdBu_r', norm=norm)
+    _label_map(axes, arrays, title)
+    bar = axes.figure.colorbar(mpl.cm.ScalarMappable(norm, 'RdBu_r'), ax=axes, extend='both')
+    bar.set_label('change by friction [%]')
+
+
+def _claim(axes: Axes, arrays: Arrays, name: str) -> None:
+    from matplotlib.colors import ListedColormap
+
+    where = arrays[f'map_{name}']
+    colours = ListedColormap([FAINT, COLOURS[0]])
+    axes.pcolormesh(*_map_axes(arrays), where, cmap=colours, vmin=0, vmax=1)
+    regular = regular_places(arrays)
+    share = f'{where[regular].mean():.0%}' if regular.any() else 'none has one'
+    _label_map(axes, arrays, f'{CLAIMED[name]}: {share}')
+
+
+def _map_axes(arrays: Arrays) -> tuple[np.ndarray, np.ndarray]:
+    return arrays['map_speed'] * 30 / np.pi, np.degrees(arrays['map_phase'])
+
+
+def _label_map(axes: Axes, arrays: Arrays, title: str) -> None:
+    """Label a map, and dot it where one of the two motions has no period."""
+    irregular = ~regular_places(arrays)
+    if irregular.any():
+        speed, phase = np.meshgrid(*_map_axes(arrays))
+        axes.plot(speed[irregular], phase[irregular], '.', color=INK, markersize=1.5)
+    axes.set(xlabel='speed [rpm]', ylabel='φ0 [deg]', title=title)
+    axes.grid(False)

@@ -4,30 +4,47 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gear_dynamics.dynamics.attractors import SAME, same_orbit
+from gear_dynamics.dynamics.regimes import PERIOD, UNDECIDED
+from gear_dynamics.figure_style import COLOURS
 from gear_dynamics.parameters.parameter import ParameterError
+from gear_dynamics.study.assessment import regime_shares
 from gear_dynamics.study.chaos_edges import (
+    EDGE_TRANSIENT,
     FINER,
     SIDES,
-    TRANSIENT,
+    edge_in,
     edges_text,
     ranges_text,
     refine,
 )
-from gear_dynamics.study.exponents import (
+from gear_dynamics.study.declaration import (
+    COUNT_OPTION,
+    CYCLES_OPTION,
+    TRANSIENT_OPTION,
+    Option,
+    Study,
+)
+from gear_dynamics.study.drawing import band_handle, draw_band, new_figure, zero_line
+from gear_dynamics.study.exponent_tables import (
     EXPONENT_UNITS,
     convergence_table,
     exponent_columns,
     verdict,
 )
 from gear_dynamics.study.initial import scattered_states
-from gear_dynamics.study.kind import PERIOD, UNDECIDED, kind_shares
-from gear_dynamics.study.lyapunov_table import FRICTION, with_frictions
-from gear_dynamics.study.operation import FREQUENCY_RATIO, Operation
-from gear_dynamics.study.outcome import Outcome
+from gear_dynamics.study.operating_point import (
+    FREQUENCY_RATIO,
+    FRICTION,
+    OperatingPoint,
+    friction_chaos,
+    with_frictions,
+)
+from gear_dynamics.study.outcome import Arrays, Outcome
 from gear_dynamics.study.sweep import (
     DOWN,
     UNITS,
@@ -41,17 +58,41 @@ from gear_dynamics.study.sweep import (
 )
 from gear_dynamics.study.tasks import Runner
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
 SHORTEST = 80
-"""Cycles of a record from which exponents and a period up to 32 can be told."""
+"""dynamics.Cycles of a record from which exponents and a period up to 32 can be told."""
 
 FRICTIONS = (0.0, 0.03)
 
 W_RANGE = (0.4, 2.0)
 """Of the sweep of w, where nothing else is asked for."""
 
+STUDY = Study(
+    'orbit diagrams and largest exponents along a parameter, swept up and down',
+    friction_chaos,
+    {
+        'frictions': Option(
+            'friction coefficients to compare, if not swept', default=FRICTIONS, several=True
+        ),
+        'parameter': Option('what is swept: w, speed, load_torque or a parameter of the pair'),
+        'begin': Option(
+            'beginning of the range; must be given unless w is swept', default=W_RANGE[0]
+        ),
+        'end': Option('end of the range; must be given unless w is swept', default=W_RANGE[1]),
+        'count': COUNT_OPTION,
+        'transient': TRANSIENT_OPTION,
+        'cycles': CYCLES_OPTION,
+    },
+    sweeps=FREQUENCY_RATIO,
+)
+
 
 def bifurcation(
-    operation: Operation,
+    point: OperatingPoint,
     frictions: Sequence[float] | None = None,
     *,
     parameter: str = FREQUENCY_RATIO,
@@ -64,13 +105,13 @@ def bifurcation(
 ) -> Outcome:
     """Return the orbit diagrams and all exponents along a parameter, up and down.
 
-    Each motion is judged by `judgement.judge`. About the first begin and the first end of chaos
+    Each motion is assessed by `assessment.assess`. About the first begin and the first end of chaos
     along the parameter, the sweep is repeated on a finer grid with longer transients
     (`chaos_edges`).
 
     Parameters
     ----------
-    operation : Operation
+    point : OperatingPoint
     frictions : sequence of float, optional
         Friction coefficients to compare, by default 0 and 0.03. If `parameter` is
         friction_coefficient there must be none, and the array `friction` is one NaN.
@@ -103,16 +144,16 @@ def bifurcation(
     if cycles < SHORTEST:
         raise ValueError(f'{cycles} cycles are too few: give {SHORTEST} or more')
     runner = runner or Runner()
-    values = np.linspace(*_range(operation, parameter, begin, end), count)
+    values = np.linspace(*_range(point, parameter, begin, end), count)
     if parameter == FRICTION:
         if frictions is not None:
             raise ParameterError(
                 f'frictions would have no effect, as {FRICTION} is swept: leave them out'
             )
-        frictions, rubbing = [math.nan], [operation]
+        frictions, rubbing = [math.nan], [point]
     else:
         frictions = FRICTIONS if frictions is None else frictions
-        rubbing = with_frictions(operation, frictions)
+        rubbing = with_frictions(point, frictions)
     chains = [
         chain_along(each, parameter, way) for each in rubbing for way in (values, values[::-1])
     ]
@@ -136,9 +177,9 @@ def bifurcation(
 
 
 def _range(
-    operation: Operation, parameter: str, begin: float | None, end: float | None
+    point: OperatingPoint, parameter: str, begin: float | None, end: float | None
 ) -> tuple[float, float]:
-    present = operation.value(parameter)
+    present = point.value(parameter)
     if parameter == FREQUENCY_RATIO:
         begin = W_RANGE[0] if begin is None else begin
         end = W_RANGE[1] if end is None else end
@@ -164,8 +205,8 @@ def _text(arrays: dict[str, np.ndarray]) -> str:
     step = values[1] - values[0]
     lines = [
         f'{parameter} from {values[0]:g} to {values[-1]:g}{unit}, {len(values)} values, '
-        f'{step:.2g} apart; at the edges of chaos {step / FINER:.2g} apart, after {TRANSIENT} '
-        'cycles at each'
+        f'{step:.2g} apart; at the edges of chaos {step / FINER:.2g} apart, after '
+        f'{EDGE_TRANSIENT} cycles at each'
     ]
     for i, mu in enumerate(arrays['friction']):
         kind, place = in_kind(arrays['kind'][i]), in_place(arrays['kind'][i], arrays['sections'][i])
@@ -192,7 +233,7 @@ def _paragraph(arrays: dict[str, np.ndarray], i: int, direction: int) -> list[st
     return [
         f'  swept {("up", "down")[direction]}: {edges_text(kinds, *fine)}',
         f'    {ranges_text(arrays["values"], kinds)}',
-        f'    {kind_shares(kinds)}',
+        f'    {regime_shares(kinds)}',
     ]
 
 
@@ -282,3 +323,62 @@ def _edges_table(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     }
     columns = _motions(arrays, values) | measured
     return {name: each.ravel()[swept] for name, each in columns.items()}
+
+
+WORDS = ('swept up', 'swept down')
+
+
+def draw(arrays: Arrays) -> Figure:
+    """Draw a column for each friction coefficient."""
+    frictions, parameter = arrays['friction'], str(arrays['parameter'])
+    label = 'mesh frequency / ωn' if parameter == 'w' else f'{parameter} [{unit_of(parameter)}]'
+    title = f'Motion on the section against {label}'
+    figure = new_figure(6.5 * max(len(frictions), 1.4), 7.5, title)
+    grid = figure.subplots(
+        2, len(frictions), squeeze=False, sharex=True, sharey='row', height_ratios=(3, 1.4)
+    )
+    for i, mu in enumerate(frictions):
+        named = '' if parameter == 'friction_coefficient' else f'μ = {mu:g}'
+        _orbits(grid[0, i], arrays['values'], arrays['sections'][i, ..., 0], named)
+        _exponents(grid[1, i], arrays, i)
+        grid[1, i].set_xlabel(label)
+    grid[0, 0].set_ylabel('δ / b')
+    grid[1, 0].set_ylabel('largest exponent [1/τ]')
+    lowest = float(arrays['exponents'][..., 0].min())
+    highest = float(arrays['exponents'][..., 0].max())
+    grid[1, 0].set_ylim(max(lowest * 1.05, -0.12), highest * 1.1 + 0.01)
+    return figure
+
+
+def _orbits(axes: Axes, values: np.ndarray, delta: np.ndarray, title: str) -> None:
+    # Down first and larger, so that both show where they agree.
+    for direction, size in ((DOWN, 1.6), (UP, 0.5)):
+        x = np.repeat(values, delta.shape[-1])
+        y = delta[direction].ravel()
+        colour = COLOURS[direction]
+        axes.scatter(x, y, s=size, color=colour, linewidths=0, rasterized=True)
+        axes.plot([], [], 'o', color=colour, markersize=4, label=WORDS[direction])
+    axes.set_title(title)
+    axes.legend(loc='lower left')
+
+
+def _exponents(axes: Axes, arrays: Arrays, i: int) -> None:
+    values = arrays['values']
+    for direction in (DOWN, UP):
+        colour = COLOURS[direction]
+        exponent = arrays['exponents'][i, direction, :, 0]
+        draw_band(axes, values, exponent, arrays['standard_errors'][i, direction, :, 0], colour)
+        axes.plot(values, exponent, color=colour, linewidth=0.8)
+        for side, word in enumerate(SIDES):
+            fine = arrays['fine_values'][i, direction, side]
+            place = edge_in(fine, arrays['fine_kind'][i, direction, side], side)
+            if np.isfinite(place):
+                label = f'chaos {word}s, {WORDS[direction]}: {place:.{_decimals(fine)}f}'
+                axes.axvline(place, color=colour, linewidth=0.8, linestyle=':', label=label)
+    axes.legend(handles=[*axes.get_legend_handles_labels()[0], band_handle()], loc='upper left')
+    zero_line(axes)
+
+
+def _decimals(fine: np.ndarray) -> int:
+    """Return how many decimals the steps of a grid resolve."""
+    return max(0, math.ceil(-math.log10(fine[1] - fine[0])))

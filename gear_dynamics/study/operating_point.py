@@ -19,11 +19,13 @@ from gear_dynamics.parameters.run_settings import RunSettings
 FREQUENCY_RATIO = 'w'
 """Name of the ratio of the mesh frequency to wn; it stands for the speed."""
 
+FRICTION = 'friction_coefficient'
+
 RUN_NAMES = ('speed', 'load_torque')
 """What is studied beside the parameters of the pair."""
 
 
-class Operation(NamedTuple):
+class OperatingPoint(NamedTuple):
     """A gear pair at work.
 
     Attributes
@@ -68,7 +70,7 @@ class Operation(NamedTuple):
         self._check_name(name, numbers)
         return float(getattr(self.pair, name))
 
-    def with_value(self, name: str, value: float | str | bool) -> Operation:
+    def with_value(self, name: str, value: float | str | bool) -> OperatingPoint:
         """Return the same with another value of w, speed, load_torque or a pair's parameter.
 
         Of w and speed the one that is given last holds. Numbers may come as text.
@@ -93,7 +95,7 @@ class Operation(NamedTuple):
             known = ', '.join([FREQUENCY_RATIO, *RUN_NAMES, *parameters])
             raise ParameterError(f'{name} cannot be varied; known are {known}')
 
-    def _at_ratio(self, ratio: float) -> Operation:
+    def _at_ratio(self, ratio: float) -> OperatingPoint:
         """Return the same at the speed that belongs to w, which is kept from now on."""
         speed = ratio * self.pair.derived.wn / self.pair.pinion_teeth
         try:
@@ -107,7 +109,7 @@ class Operation(NamedTuple):
         return sections[..., :2] / [b, b * wn]
 
 
-def read_operation(path: str | Path, **given: float) -> Operation:
+def read_operating_point(path: str | Path, **given: float) -> OperatingPoint:
     """Return the pair, speed and load torque of a ROS parameter file for `gear_sim`.
 
     Parameters
@@ -133,7 +135,7 @@ def read_operation(path: str | Path, **given: float) -> Operation:
         run = _run_settings({name: values[name] for name in RUN_NAMES if name in values})
     except ParameterError as error:
         raise ParameterError(f'{path}: {error}') from None
-    return Operation(pair, run.speed, run.load_torque)
+    return OperatingPoint(pair, run.speed, run.load_torque)
 
 
 def _number(name: str, value: Any) -> float:
@@ -150,13 +152,13 @@ def _run_settings(values: dict[str, Any]) -> RunSettings:
     return run
 
 
-def default_operation() -> Operation:
+def default_operating_point() -> OperatingPoint:
     """Return the default pair at the default speed and load."""
     run = RunSettings()
-    return Operation(GearPair(), run.speed, run.load_torque)
+    return OperatingPoint(GearPair(), run.speed, run.load_torque)
 
 
-def friction_chaos() -> Operation:
+def friction_chaos() -> OperatingPoint:
     """Return the preset whose motion is chaotic without friction and periodic with it.
 
     Raises
@@ -167,4 +169,31 @@ def friction_chaos() -> Operation:
     path = config_file('friction_chaos.yaml')
     if path is None:
         raise ParameterError('friction_chaos.yaml is not installed: name a file with --params')
-    return read_operation(path)
+    return read_operating_point(path)
+
+
+def with_frictions(point: OperatingPoint, frictions: Sequence[float]) -> list[OperatingPoint]:
+    """Return the point with each friction coefficient.
+
+    Raises
+    ------
+    ParameterError
+        If one is out of its range, or given twice.
+    """
+    points = [point.with_value(FRICTION, mu) for mu in frictions]
+    values = [each.pair.friction_coefficient for each in points]
+    for mu in values:
+        if values.count(mu) > 1:
+            raise ParameterError(
+                f'{FRICTION} {mu:g} is given {values.count(mu)} times: give it once'
+            )
+    return points
+
+
+def unzip(points: Sequence[OperatingPoint]) -> tuple[list, np.ndarray, np.ndarray]:
+    """Return pairs, speeds and load torques as `run_cycles` takes them."""
+    return (
+        [each.pair for each in points],
+        np.array([each.speed for each in points]),
+        np.array([each.load_torque for each in points]),
+    )

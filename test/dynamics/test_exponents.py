@@ -1,27 +1,28 @@
 import numpy as np
 import pytest
+from dynamics.flows import BacklashOscillator, ImpactOscillator, lorenz_growth
 from dynamics.test_cycles import one_degree_of_freedom, speed_at
 from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
-from study.flows import BacklashOscillator, ImpactOscillator, lorenz_growth
 
 from gear_dynamics.dynamics.cycles import run_cycles
-from gear_dynamics.integrator.variation import VARIED
-from gear_dynamics.study.exponents import (
+from gear_dynamics.dynamics.exponents import (
     WIDTHS,
-    exponents,
     halves_agree,
+    lyapunov_spectrum,
     standard_error,
     sum_error,
     transient,
 )
-from gear_dynamics.study.initial import first_variations, scattered_states
-from gear_dynamics.study.operation import Operation, friction_chaos
+from gear_dynamics.dynamics.tangent import first_tangent_vectors
+from gear_dynamics.integrator.variation import VARIED
+from gear_dynamics.study.initial import scattered_states
+from gear_dynamics.study.operating_point import OperatingPoint, friction_chaos
 
 
 def test_lorenz():
     """Sprott 2003, Chaos and Time-Series Analysis: 0.9056, 0, -14.5723."""
-    found = exponents(lorenz_growth(), cycle=0.5)
+    found = lyapunov_spectrum(lorenz_growth(), cycle=0.5)
     assert found.settled.all()
     # Four standard errors of 1e4 time units, 0.003 each.
     assert found.values == pytest.approx([0.9056, 0.0, -14.5723], abs=0.012)
@@ -35,7 +36,7 @@ def test_impact_oscillator_with_complex_multipliers():
     oscillator = ImpactOscillator(w=2.2, r=0.8)
     growth, impacts = oscillator.growth(400, skip=400)
     assert set(impacts) == {1}
-    found = exponents(growth, cycle=2 * np.pi / 2.2)
+    found = lyapunov_spectrum(growth, cycle=2 * np.pi / 2.2)
     expected = np.log(0.8) / (2 * np.pi / 2.2)
     # The variations turn: over 400 periods the mean misses at most ln of an axis ratio / 400.
     assert found.values == pytest.approx([expected] * 2, abs=2e-3)
@@ -45,7 +46,7 @@ def test_impact_oscillator_in_chaos():
     """Sum of the exponents = 2 ln r times the impacts per time, whatever the motion."""
     oscillator = ImpactOscillator(w=2.8, r=0.8)
     growth, impacts = oscillator.growth(1500, skip=100)
-    found = exponents(growth, cycle=1.0)
+    found = lyapunov_spectrum(growth, cycle=1.0)
     kept = impacts[found.discarded :]
     assert found.values[0] > 10 * found.standard_errors[0]
     assert found.values.sum() == pytest.approx(2 * np.log(0.8) * kept.mean(), rel=1e-9)
@@ -64,16 +65,16 @@ def test_backlash_oscillator_in_chaos():
         transmission_error_phase=np.pi / 2,
     )
     torque = fm * 10e-6 * pair.tooth_pair_stiffness * pair.derived.gear_base_radius
-    operation = Operation(pair, speed_at(pair, w), torque)
+    operation = OperatingPoint(pair, speed_at(pair, w), torque)
     run = run_cycles(
         [pair] * 8,
         operation.speed,
         torque,
         2200,
         states=scattered_states(operation, 8),
-        vectors=first_variations(8, k=1),
+        vectors=first_tangent_vectors(8, k=1),
     )
-    found = [exponents(growth[200:], operation.cycle) for growth in run.growth]
+    found = [lyapunov_spectrum(growth[200:], operation.cycle) for growth in run.growth]
     value = np.mean([each.values[0] for each in found])
     error = np.linalg.norm([each.standard_errors[0] for each in found]) / 8
     exact_error = standard_error(exact)
@@ -106,14 +107,14 @@ def test_exponents_are_the_logarithms_of_the_floquet_multipliers():
     """Of a period-4 orbit with impacts and friction: the eigenvalues of its monodromy matrix."""
     operation = friction_chaos().with_value('friction_coefficient', 0.05)
     run = ([operation.pair], operation.speed, operation.load_torque)
-    begin = run_cycles(*run, 3000, vectors=first_variations(1))
+    begin = run_cycles(*run, 3000, vectors=first_tangent_vectors(1))
     unit = np.eye(VARIED)[np.newaxis]
     orbit = run_cycles(*run, 4, states=begin.states, vectors=unit, orthogonal=False)
     assert orbit.states == pytest.approx(begin.states, rel=1e-6, abs=1e-12)
     multipliers = np.linalg.eigvals(orbit.vectors[0].T)
     expected = np.sort(np.log(np.abs(multipliers)))[::-1] / (4 * operation.cycle)
     long = run_cycles(*run, 4000, states=begin.states, vectors=begin.vectors)
-    found = exponents(long.growth[0], operation.cycle)
+    found = lyapunov_spectrum(long.growth[0], operation.cycle)
     # Pairs of complex multipliers turn: the mean over 20 000 tau misses at most 2 / 20 000.
     assert found.values == pytest.approx(expected, abs=1e-4)
 
@@ -167,7 +168,7 @@ def test_standard_error_of_periodic_rates_is_that_of_the_period_that_is_not_whol
 
 def test_standard_errors_are_in_the_order_of_their_exponents():
     rates = np.random.default_rng(4).normal([-1.0, 1.0], [0.01, 1.0], (400, 2))
-    found = exponents(rates, 1.0)
+    found = lyapunov_spectrum(rates, 1.0)
     assert found.values == pytest.approx([1.0, -1.0], abs=0.2)
     # 1 and 0.01 over sqrt(400), each known to a factor of two.
     assert 0.025 < found.standard_errors[0] < 0.1
@@ -207,7 +208,7 @@ def test_chaos_that_dies_within_the_record_is_dropped_as_a_transient():
     """The exponent is that of the motion it ends in, not a mean over both."""
     rates = np.random.default_rng(3).normal(0.05, 0.1, (400, 1))
     rates[180:] = -0.015
-    found = exponents(rates, 1.0)
+    found = lyapunov_spectrum(rates, 1.0)
     assert found.discarded == 200
     assert found.settled.all()
     assert found.values == pytest.approx([-0.015])
@@ -216,7 +217,7 @@ def test_chaos_that_dies_within_the_record_is_dropped_as_a_transient():
 def test_exponent_that_drifts_is_not_settled_and_the_others_are():
     rates = np.random.default_rng(2).normal(size=(4000, 3))
     rates[:, 1] += np.linspace(0, 10, 4000) - 20
-    found = exponents(rates, 1.0)
+    found = lyapunov_spectrum(rates, 1.0)
     # In descending order the drifting one is the last.
     assert list(found.settled) == [True, True, False]
 
@@ -224,7 +225,7 @@ def test_exponent_that_drifts_is_not_settled_and_the_others_are():
 def test_convergence_record_ends_at_the_exponents():
     """The running mean of a known series: that of 1, 2, 3 ... n is (n + 1) / 2."""
     rows = np.arange(1.0, 201.0)[:, np.newaxis]
-    found = exponents(rows, 1.0)
+    found = lyapunov_spectrum(rows, 1.0)
     first = found.discarded + 1
     expected = first + (found.convergence_cycles - 1) / 2
     assert found.convergence[:, 0] == pytest.approx(expected)
@@ -239,4 +240,4 @@ def test_sum_error_is_relative_unless_nothing_diverges():
 
 def test_too_short_a_record_is_refused():
     with pytest.raises(ValueError, match='30 cycles are too few: give 40 or more'):
-        exponents(np.zeros((30, 2)), 1.0)
+        lyapunov_spectrum(np.zeros((30, 2)), 1.0)

@@ -8,7 +8,7 @@ ROOT = Path(__file__).parents[2]
 def test_search_for_a_completion_runs(tmp_path):
     few = [f'--{name}=1' for name in ('generations', 'members', 'verified')]
     done = subprocess.run(
-        [sys.executable, ROOT / 'examples' / 'search_completion.py', *few],
+        [sys.executable, ROOT / 'tools' / 'search_completion.py', *few],
         cwd=tmp_path,
         env={'PYTHONPATH': str(ROOT)},
         capture_output=True,

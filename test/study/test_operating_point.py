@@ -24,7 +24,7 @@ def test_speed_is_kept_where_it_was_given_last():
 
 def test_default_pair_meshes_566_7_times_a_second_at_1000_rpm():
     """34 teeth; 0.105 of wn (5386 Hz)."""
-    operation = study.default_operation()
+    operation = study.default_operating_point()
     assert operation.speed == pytest.approx(1000 * 2 * np.pi / 60, rel=1e-5)
     frequency = operation.pair.derived.wn / operation.cycle
     assert f'{frequency:.1f}' == '566.7'

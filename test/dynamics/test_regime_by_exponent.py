@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from dynamics.systems import logistic
 
-from gear_dynamics.study.kind import kind_of
+from gear_dynamics.dynamics.regimes import regime
 
 
 def pairs(series):
@@ -18,12 +18,12 @@ def pairs(series):
 def test_periods_of_the_logistic_map(r, period):
     # The section's scale: distances in the cascade shrink to 0.002, near the tolerance.
     states = 10 * pairs(logistic(20200, r)[20000:])
-    kind = kind_of(states, -0.01, 1e-4)
+    kind = regime(states, exponent=-0.01, standard_error=1e-4)
     assert kind.words == f'period-{period}'
 
 
 def test_chaos_of_the_logistic_map():
-    kind = kind_of(pairs(logistic(2000, 4.0)), np.log(2), 0.01)
+    kind = regime(pairs(logistic(2000, 4.0)), exponent=np.log(2), standard_error=0.01)
     assert kind.words == 'chaotic'
     assert kind.zero_one > 0.9
 
@@ -31,17 +31,17 @@ def test_chaos_of_the_logistic_map():
 def test_quasi_periodic_motion():
     angle = 2 * np.pi * (np.sqrt(5) - 1) / 2 * np.arange(2000)
     states = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    assert kind_of(states, 0.0, 1e-4).words == 'quasi-periodic'
+    assert regime(states, exponent=0.0, standard_error=1e-4).words == 'quasi-periodic'
 
 
 def test_short_record_without_period_is_undecided_unless_it_grows():
     states = pairs(logistic(200, 4.0))
-    assert kind_of(states, 0.0005, 0.001).words == 'undecided'
-    assert kind_of(states, 0.6, 0.05).words == 'chaotic'
+    assert regime(states, exponent=0.0005, standard_error=0.001).words == 'undecided'
+    assert regime(states, exponent=0.6, standard_error=0.05).words == 'chaotic'
 
 
 def test_growth_within_its_error_is_no_chaos_whatever_the_zero_one_test_says():
-    kind = kind_of(pairs(logistic(2000, 4.0)), 0.01, 0.01)
+    kind = regime(pairs(logistic(2000, 4.0)), exponent=0.01, standard_error=0.01)
     assert kind.zero_one > 0.9
     assert kind.words == 'undecided'
 
@@ -49,5 +49,5 @@ def test_growth_within_its_error_is_no_chaos_whatever_the_zero_one_test_says():
 def test_states_that_recur_are_no_period_where_nearby_motions_part():
     """Chaos that stays near an unstable orbit; with 1000 points the 0-1 test contradicts it."""
     orbit = pairs(logistic(21200, 3.5)[20000:])
-    assert kind_of(orbit[:200], 0.05, 0.001).words == 'chaotic'
-    assert kind_of(orbit, 0.05, 0.001).words == 'undecided'
+    assert regime(orbit[:200], exponent=0.05, standard_error=0.001).words == 'chaotic'
+    assert regime(orbit, exponent=0.05, standard_error=0.001).words == 'undecided'

@@ -7,7 +7,7 @@ and mu = 0, 0.03 and 0.05, and is told by how far its largest exponents are from
 and by whether it shows chaos, chaos and period-4. Short records show almost anything: the nearest
 draws are verified, with a long transient, long records and several initial states.
 
-Run `python examples/search_completion.py`. It repeats to the last bit, and a search that was
+Run `python tools/search_completion.py`. It repeats to the last bit, and a search that was
 stopped goes on when it is run again.
 
 The published study gives a damping ratio of the mesh of 0.03. The preset takes that for the mean
@@ -23,12 +23,20 @@ import numpy as np
 from scipy.optimize import differential_evolution
 from tqdm import tqdm
 
-from gear_dynamics import study
 from gear_dynamics.dynamics.cycles import run_cycles
+from gear_dynamics.dynamics.regimes import CHAOS
+from gear_dynamics.study.assessment import assess
+from gear_dynamics.study.experiments.lyapunov import lyapunov
 from gear_dynamics.study.initial import scattered_states
-from gear_dynamics.study.judgement import judge, unzip
-from gear_dynamics.study.kind import CHAOS
-from gear_dynamics.study.lyapunov_table import SOURCE
+from gear_dynamics.study.operating_point import (
+    OperatingPoint,
+    friction_chaos,
+    unzip,
+    with_frictions,
+)
+from gear_dynamics.study.outcome import Arrays
+from gear_dynamics.study.published import SOURCE
+from gear_dynamics.study.tasks import Runner
 
 W = 1.222
 SEQUENCE = [CHAOS, CHAOS, 'period-4']
@@ -52,9 +60,9 @@ WRONG_KIND = 0.03
 AT_ONCE, SHOWN = 30, 3
 
 
-def completion(preset, point):
+def completion(preset: OperatingPoint, drawn: np.ndarray) -> OperatingPoint:
     """Return one completion; everything given by the published study is as it was."""
-    values = dict(zip(BOUNDS, map(float, point), strict=True))
+    values = dict(zip(BOUNDS, map(float, drawn), strict=True))
     for wheel in ('pinion', 'gear'):
         pitch_radius = preset.pair.module * getattr(preset.pair, f'{wheel}_teeth') / 2
         gyration = values.pop(f'{wheel}_gyration') * pitch_radius
@@ -65,28 +73,27 @@ def completion(preset, point):
     return preset
 
 
-def screen(operations):
+def screen(points: list[OperatingPoint]) -> Arrays:
     """Return kinds and largest exponents of some motions from static deflection; a task."""
-    states = np.concatenate([scattered_states(each, 1) for each in operations])
-    settled = run_cycles(*unzip(operations), TRANSIENT, states=states).states
-    judged = judge(operations, settled, CYCLES, k=1)
-    return {'kind': judged['kind'], 'largest': judged['exponents'][:, 0]}
+    states = np.concatenate([scattered_states(each, 1) for each in points])
+    settled = run_cycles(*unzip(points), TRANSIENT, states=states).states
+    assessed = assess(points, settled, CYCLES, k=1)
+    return {'kind': assessed['kind'], 'largest': assessed['exponents'][:, 0]}
 
 
-def with_frictions(operation):
-    """Return the operation with each published friction coefficient."""
-    return [operation.with_value('friction_coefficient', mu) for mu in SOURCE]
-
-
-def distance(exponents):
+def distance(exponents: np.ndarray) -> np.ndarray:
     """Return how far largest exponents, (..., 3), are from the published ones, root mean square."""
     return np.sqrt(np.mean((np.asarray(exponents) - list(SOURCE.values())) ** 2, axis=-1))
 
 
-def screened(drawn, runner):
+def screened(drawn: list[OperatingPoint], runner: Runner) -> tuple[np.ndarray, np.ndarray]:
     """Return the distances of draws over short records, and which of them show the sequence."""
     arguments = [
-        {'operations': [each for one in drawn[i : i + AT_ONCE] for each in with_frictions(one)]}
+        {
+            'points': [
+                each for one in drawn[i : i + AT_ONCE] for each in with_frictions(one, list(SOURCE))
+            ]
+        }
         for i in range(0, len(drawn), AT_ONCE)
     ]
     results = runner.run(screen, arguments)
@@ -97,12 +104,14 @@ def screened(drawn, runner):
     return distance(largest), kinds == np.array(SEQUENCE)
 
 
-def search(preset, arguments, runner):
+def search(
+    preset: OperatingPoint, arguments: argparse.Namespace, runner: Runner
+) -> list[OperatingPoint]:
     """Return the draws that show the sequence over a short record, the nearest first."""
-    found = []
+    found: list[tuple[float, OperatingPoint]] = []
 
-    def penalised(points):
-        drawn = [completion(preset, point) for point in points.T]
+    def penalised(draws: np.ndarray) -> np.ndarray:
+        drawn = [completion(preset, each) for each in draws.T]
         far, right = screened(drawn, runner)
         found.extend((far[i], drawn[i]) for i in np.flatnonzero(right.all(axis=1)))
         return far + WRONG_KIND * np.sum(~right, axis=1)
@@ -120,21 +129,21 @@ def search(preset, arguments, runner):
             polish=False,
             updating='deferred',
             vectorized=True,
-            callback=lambda *_, **__: bar.update() and None,
+            callback=lambda *_, **__: bool(bar.update()) and False,
         )
     return [drawn for _, drawn in sorted(found, key=lambda each: each[0])]
 
 
-def verify(drawn, runner):
+def verify(drawn: OperatingPoint, runner: Runner) -> tuple[bool, float, str]:
     """Return whether the sequence of a completion holds, its distance and its text."""
-    outcome = study.lyapunov(drawn, list(SOURCE), **VERIFIED, runner=runner)
+    outcome = lyapunov(drawn, list(SOURCE), **VERIFIED, runner=runner)
     kinds = outcome.arrays['kind'].reshape(len(SOURCE), -1)
     largest = outcome.arrays['exponents'][:, 0].reshape(kinds.shape).mean(axis=1)
     holds = bool(np.all(kinds == np.array(SEQUENCE)[:, np.newaxis]))
     return holds, float(distance(largest)), f'{describe(drawn)}\n{outcome.text}'
 
 
-def describe(drawn):
+def describe(drawn: OperatingPoint) -> str:
     """Return what was drawn, in a line."""
     names = ('pinion_mass', 'gear_mass', 'pinion_inertia', 'gear_inertia',
              'support_damping_ratio', 'transmission_error_phase')  # fmt: skip
@@ -143,9 +152,9 @@ def describe(drawn):
     return ' '.join(f'{name}={value:.9g}' for name, value in values.items())
 
 
-def main():
+def main() -> None:
     """Search, verify and print."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=(__doc__ or '').splitlines()[0])
     parser.add_argument('--generations', type=int, default=60, help='by default 60')
     parser.add_argument(
         '--members', type=int, default=30, help='of a generation, for each unknown; by default 30'
@@ -154,7 +163,7 @@ def main():
         '--verified', type=int, default=60, help='at most this many draws; by default 60'
     )
     parser.add_argument('--seed', type=int, default=0, help='of the draws; by default 0')
-    preset = study.friction_chaos()
+    preset = friction_chaos()
     ratio = preset.pair.mesh_damping_ratio
     parser.add_argument(
         '--mesh-damping-ratio', type=float, default=ratio, help=f'of each pair; by default {ratio}'
@@ -163,7 +172,7 @@ def main():
     for name in ('generations', 'members', 'verified'):
         if getattr(arguments, name) < 1:
             parser.error(f'--{name} is {getattr(arguments, name)}: it must be 1 or more')
-    runner = study.Runner(Path('search_parts'))
+    runner = Runner(Path('search_parts'))
     first = preset.with_value('mesh_damping_ratio', arguments.mesh_damping_ratio)
     found = search(first, arguments, runner)
     verified = [verify(each, runner) for each in tqdm(found[: arguments.verified], 'verifying')]

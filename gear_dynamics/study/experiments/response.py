@@ -3,23 +3,36 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gear_dynamics.dynamics.cycles import run_cycles
-from gear_dynamics.study.exponents import (
+from gear_dynamics import dynamics
+from gear_dynamics.dynamics.regimes import LONGEST_STUDIED
+from gear_dynamics.figure_style import COLOURS, FAINT
+from gear_dynamics.study.assessment import assess, regime_shares
+from gear_dynamics.study.declaration import COUNT_OPTION, TRANSIENT_OPTION, Option, Study
+from gear_dynamics.study.drawing import band_handle, draw_band, new_figure
+from gear_dynamics.study.exponent_tables import (
     EXPONENT_UNITS,
     convergence_table,
     exponent_columns,
     verdict,
 )
 from gear_dynamics.study.initial import scattered_states
-from gear_dynamics.study.judgement import judge, unzip
-from gear_dynamics.study.kind import LONGEST_PERIOD, kind_shares
-from gear_dynamics.study.operation import FREQUENCY_RATIO, Operation
-from gear_dynamics.study.outcome import Outcome
+from gear_dynamics.study.operating_point import (
+    FREQUENCY_RATIO,
+    OperatingPoint,
+    default_operating_point,
+    unzip,
+)
+from gear_dynamics.study.outcome import Arrays, Outcome
 from gear_dynamics.study.sweep import by_value, chain_along, check_range, follow
-from gear_dynamics.study.tasks import Arrays, Runner, chunks
+from gear_dynamics.study.tasks import Runner, chunks
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 
 JUDGED = 128
 """Mesh cycles from which the kind of a motion is told."""
@@ -52,36 +65,48 @@ UNITS = {
     'speed': 'rad/s',
 }
 
+STUDY = Study(
+    'RMS and peaks against speed, swept up and down, with the jumps',
+    default_operating_point,
+    {
+        'begin': Option('lowest mesh frequency over wn'),
+        'end': Option('highest mesh frequency over wn'),
+        'count': COUNT_OPTION,
+        'transient': TRANSIENT_OPTION,
+    },
+    sweeps=FREQUENCY_RATIO,
+)
 
-def response_task(operations: list[Operation], states: np.ndarray) -> Arrays:
+
+def response_task(points: list[OperatingPoint], states: np.ndarray) -> Arrays:
     """Return RMS, extremes, kind and all exponents of motions, by the names of UNITS.
 
     The RMS of a motion with a period is over as many whole periods as RECORD cycles hold, and has
     no error; that of another is over PARTS records. If it has a period after these, they were a
     transient, and the motion is taken as it is then.
     """
-    judged = judge(operations, states, JUDGED)
-    figures, ends = _figures(operations, judged)
-    irregular = np.flatnonzero(judged['period'] == 0).tolist()
+    assessed = assess(points, states, JUDGED)
+    figures, ends = _figures(points, assessed)
+    irregular = np.flatnonzero(assessed['period'] == 0).tolist()
     if irregular:
-        later = judge([operations[i] for i in irregular], ends[irregular], JUDGED)
+        later = assess([points[i] for i in irregular], ends[irregular], JUDGED)
         died = np.flatnonzero(later['period'] > 0)
         which = [irregular[i] for i in died]
         if which:
             last = {name: values[died] for name, values in later.items()}
-            for name, values in _figures([operations[i] for i in which], last)[0].items():
+            for name, values in _figures([points[i] for i in which], last)[0].items():
                 figures[name][which] = values
     return figures
 
 
-def _figures(operations: list[Operation], judged: Arrays) -> tuple[Arrays, np.ndarray]:
-    """Return the figures of motions from where they were judged, and the states at the end."""
-    period = judged['period']
+def _figures(points: list[OperatingPoint], assessed: Arrays) -> tuple[Arrays, np.ndarray]:
+    """Return the figures of motions from where they were assessed, and the states at the end."""
+    period = assessed['period']
     whole = np.where(period > 0, RECORD // np.maximum(period, 1) * period, RECORD)
-    moments, ends = _moments(operations, judged['states'], whole)
+    moments, ends = _moments(points, assessed['states'], whole)
     parts = np.repeat(moments[:, np.newaxis], PARTS, axis=1)
     irregular = np.flatnonzero(period == 0).tolist()
-    rows = [operations[i] for i in irregular]
+    rows = [points[i] for i in irregular]
     for part in range(1, PARTS if irregular else 1):
         parts[irregular, part], ends[irregular] = _moments(rows, ends[irregular], whole[irregular])
     rms, error = rms_of_parts(parts[..., 0], parts[..., 1])
@@ -93,23 +118,23 @@ def _figures(operations: list[Operation], judged: Arrays) -> tuple[Arrays, np.nd
         'greatest': parts[..., 5].max(axis=1),
         'force_rms': force_rms,
         'force_rms_error': force_error,
-        'kind': judged['kind'],
+        'kind': assessed['kind'],
         'period': period,
-        **{name: judged[name] for name in EXPONENT_UNITS},
+        **{name: assessed[name] for name in EXPONENT_UNITS},
     }
     return figures, ends
 
 
 def _moments(
-    operations: list[Operation], states: np.ndarray, whole: np.ndarray
+    points: list[OperatingPoint], states: np.ndarray, whole: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return moments of the motions over the first `whole` of RECORD cycles, and the end states.
 
     (n, 6): mean and variance of delta / b and of the mesh force; least and greatest delta / b.
     """
-    run = run_cycles(*unzip(operations), RECORD, states=states, samples_per_cycle=SAMPLES)
+    run = dynamics.run_cycles(*unzip(points), RECORD, states=states, samples_per_cycle=SAMPLES)
     rows = []
-    for each, samples, cycles in zip(operations, run.samples, whole, strict=True):
+    for each, samples, cycles in zip(points, run.samples, whole, strict=True):
         delta = samples['delta'][: cycles * SAMPLES] / each.pair.half_backlash
         force = samples['mesh_force'][: cycles * SAMPLES]
         moments = [f(values) for values in (delta, force) for f in (np.mean, np.var)]
@@ -127,7 +152,7 @@ def rms_of_parts(mean: np.ndarray, variance: np.ndarray) -> tuple[np.ndarray, np
 
 
 def response(
-    operation: Operation,
+    point: OperatingPoint,
     *,
     begin: float = 0.05,
     end: float = 1.5,
@@ -139,7 +164,7 @@ def response(
 
     Parameters
     ----------
-    operation : Operation
+    point : OperatingPoint
     begin, end : float
         Range of the ratio of the mesh frequency to wn; both ends belong to it.
     count : int
@@ -156,12 +181,12 @@ def response(
     check_range(begin=begin, end=end)
     runner = runner or Runner()
     values = np.linspace(begin, end, count)
-    chain = chain_along(operation, FREQUENCY_RATIO, values)
+    chain = chain_along(point, FREQUENCY_RATIO, values)
     chains = [chain, chain[::-1]]
     begun = np.concatenate([scattered_states(each[0], 1) for each in chains])
     states = follow(chains, begun, transient, runner)
     arguments = [
-        {'operations': each[part], 'states': start[part]}
+        {'points': each[part], 'states': start[part]}
         for each, start in zip(chains, states, strict=True)
         for part in chunks(count, AT_ONCE)
     ]
@@ -174,7 +199,7 @@ def response(
     motions = _motions(arrays)
     further = {'_convergence': convergence_table(motions, arrays)}
     table = _table(motions, arrays)
-    return Outcome('response', _text(operation, arrays), table, arrays, UNITS, further)
+    return Outcome('response', _text(point, arrays), table, arrays, UNITS, further)
 
 
 def jumps(
@@ -198,10 +223,10 @@ def contact_is_lost(least: np.ndarray, greatest: np.ndarray) -> np.ndarray:
     return (least < 1) & (greatest > -1)
 
 
-def _text(operation: Operation, arrays: dict[str, np.ndarray]) -> str:
-    mu = operation.pair.friction_coefficient
+def _text(point: OperatingPoint, arrays: dict[str, np.ndarray]) -> str:
+    mu = point.pair.friction_coefficient
     lines = [
-        f'mu = {mu:g}, load torque {operation.load_torque:g} N m, RMS of delta over b; it jumps '
+        f'mu = {mu:g}, load torque {point.load_torque:g} N m, RMS of delta over b; it jumps '
         f'where it changes by more than {JUMP:.0%} of the greater from one value to the next, from '
         'or to a period'
     ]
@@ -217,11 +242,11 @@ def _text(operation: Operation, arrays: dict[str, np.ndarray]) -> str:
             f'{w:.3f} ({a:.3f} to {b:.3f})' for w, a, b in jumps(arrays['w'], rms, error, period)
         ]
         lines.append(f'  jumps at w = {", ".join(found)}' if found else '  no jump')
-        lines.append(f'  {kind_shares(arrays["kind"][i])}')
+        lines.append(f'  {regime_shares(arrays["kind"][i])}')
         irregular = arrays['w'][period == 0]
         if irregular.size:
             lines.append(
-                f'  first without a period up to {LONGEST_PERIOD} at w = {irregular[0]:.3f}'
+                f'  first without a period up to {LONGEST_STUDIED} at w = {irregular[0]:.3f}'
             )
         lost = arrays['w'][contact_is_lost(arrays['least'][i], arrays['greatest'][i])]
         # Along the sweep upwards the lowest is where contact is first lost, downwards the last.
@@ -255,3 +280,26 @@ def _table(motions: dict[str, np.ndarray], arrays: dict[str, np.ndarray]) -> dic
         **exponent_columns(arrays['exponents'], arrays['standard_errors']),
     }
     return motions | {name: each.ravel() for name, each in found.items()}
+
+
+def draw(arrays: Arrays) -> Figure:
+    """Draw RMS with two standard errors, extremes and force against w, both directions."""
+    figure = new_figure(9, 8, 'Frequency response, swept up and down')
+    grid = figure.subplots(3, 1, sharex=True)
+    for i, (label, style) in enumerate((('swept up', '.-'), ('swept down', '.--'))):
+        look = {'color': COLOURS[i], 'linewidth': 0.8, 'markersize': 3}
+        for axes, name, scale in ((grid[0], 'rms', 1), (grid[2], 'force_rms', 1e-3)):
+            centre, error = arrays[name][i] * scale, arrays[f'{name}_error'][i] * scale
+            draw_band(axes, arrays['w'], centre, error, COLOURS[i])
+        grid[0].plot(arrays['w'], arrays['rms'][i], style, label=label, **look)
+        grid[1].plot(arrays['w'], arrays['greatest'][i], style, **look)
+        grid[1].plot(arrays['w'], arrays['least'][i], style, **look)
+        grid[2].plot(arrays['w'], arrays['force_rms'][i] / 1000, style, **look)
+    for edge in (1, -1):
+        grid[1].axhline(edge, color=FAINT, linewidth=1, label='edges of the gap' * (edge > 0))
+    grid[1].legend()
+    grid[0].set(ylabel='RMS of δ / b')
+    grid[0].legend(handles=[*grid[0].get_legend_handles_labels()[0], band_handle()])
+    grid[1].set(ylabel='least and greatest δ / b')
+    grid[2].set(ylabel='RMS of the mesh force [kN]', xlabel='mesh frequency / ωn')
+    return figure

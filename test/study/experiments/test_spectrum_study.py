@@ -3,25 +3,25 @@ import pytest
 
 from gear_dynamics import study
 from gear_dynamics.dynamics.cycles import run_cycles
-from gear_dynamics.study.friction_spectrum import (
+from gear_dynamics.study.experiments.spectrum import (
     DRIVE_SETTLES,
-    QUANTITIES,
     RECORD,
     TABLE_SAMPLES,
-    holds,
     recurrence,
 )
+from gear_dynamics.study.harmonics import QUANTITIES
+from gear_dynamics.study.published import holds
 
 
 def test_a_spectrum_without_friction_is_led_by_nothing():
     """x moves by friction alone."""
     leads = "leads the pinion's x acceleration"
-    assert leads not in study.spectrum(study.default_operation(), (0.03, 0.0), phases=0).text
-    assert leads in study.spectrum(study.default_operation(), (0.0, 0.03), phases=0).text
+    assert leads not in study.spectrum(study.default_operating_point(), (0.03, 0.0), phases=0).text
+    assert leads in study.spectrum(study.default_operating_point(), (0.0, 0.03), phases=0).text
 
 
 def test_accelerations_of_a_periodic_motion_are_displacements_times_the_square_of_the_frequency():
-    arrays = study.spectrum(study.default_operation(), phases=0).arrays
+    arrays = study.spectrum(study.default_operating_point(), phases=0).arrays
     assert list(arrays['period']) == [1, 1]
     turn = 104.72 * 34 * np.arange(1, 6)
     pairs = [('pinion_ay', 'pinion_y'), ('gear_ax', 'gear_x'), ('psi_acceleration', 'psi')]
@@ -33,7 +33,7 @@ def test_accelerations_of_a_periodic_motion_are_displacements_times_the_square_o
 def test_accelerations_without_a_period_are_those_of_differences():
     """At 1000 rad/s the motion is chaotic: lines over or times the square of their frequency would
     be off by orders. psi is that of the angles that samples have."""
-    operation = study.default_operation().with_value('speed', 1000.0)
+    operation = study.default_operating_point().with_value('speed', 1000.0)
     assert operation.pair.friction_coefficient == 0.03
     outcome = study.spectrum(operation, (0.03, 0.05), phases=0)
     assert list(outcome.arrays['period']) == [0, 0]
@@ -59,7 +59,7 @@ def test_accelerations_without_a_period_are_those_of_differences():
 
 def test_record_holds_whole_periods():
     """Of 32 cycles: 30 of period-3 and all of period-4; without a period all."""
-    operation = study.default_operation()
+    operation = study.default_operating_point()
     random = np.random.default_rng(0).uniform(0, 1e-4, (128, 2))
     assert recurrence(operation, random) == (0, 32)
     for period, cycles in ((3, 30), (4, 32), (20, 20)):
@@ -70,7 +70,7 @@ def test_friction_moves_the_first_harmonic_as_an_independent_code_saw():
     """At 1000 rpm the first harmonic of the mesh force falls by a tenth at phi0 = 0 and rises by
     8 % at 180 deg; the y accelerations fall by 2 to 3 %: an independent event-exact code."""
     for phase, change in ((0.0, -0.10), (np.pi, 0.08)):
-        operation = study.default_operation().with_value('transmission_error_phase', phase)
+        operation = study.default_operating_point().with_value('transmission_error_phase', phase)
         arrays = study.spectrum(operation, phases=0).arrays
         force, ay = arrays['mesh_force'], arrays['pinion_ay']
         assert force[1, 1] / force[0, 1] - 1 == pytest.approx(change, abs=0.01)
@@ -114,7 +114,12 @@ def test_claims_of_the_source_are_told_apart():
 
 def test_map_has_claims_and_periods():
     outcome = study.spectrum(
-        study.default_operation(), phases=2, speeds=2, slowest=60.0, fastest=104.72, transient=100
+        study.default_operating_point(),
+        phases=2,
+        speeds=2,
+        slowest=60.0,
+        fastest=104.72,
+        transient=100,
     )
     # At 1000 rpm and below the motion follows the mesh without loss of contact.
     assert np.all(outcome.arrays['map_period'] == 1)

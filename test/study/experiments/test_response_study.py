@@ -4,7 +4,7 @@ from dynamics.test_cycles import one_degree_of_freedom, speed_at
 from study.convergence import assert_table_ends_at_the_exponents
 
 from gear_dynamics import study
-from gear_dynamics.study.frequency_response import contact_is_lost, jumps, rms_of_parts
+from gear_dynamics.study.experiments.response import contact_is_lost, jumps, rms_of_parts
 
 
 def test_response_jumps_where_attractors_end():
@@ -27,7 +27,7 @@ def test_contact_is_kept_on_either_flank_and_lost_between():
 
 def test_response_on_the_back_flank_loses_no_contact():
     """A load of the other sign presses the back flanks together; below resonance they stay so."""
-    loaded = study.default_operation().with_value('load_torque', -500.0)
+    loaded = study.default_operating_point().with_value('load_torque', -500.0)
     outcome = study.response(loaded, begin=0.05, end=0.06, count=2, transient=100)
     assert outcome.arrays['greatest'].max() < -1
     assert outcome.text.count('contact is never lost') == 2
@@ -37,7 +37,7 @@ def test_response_of_the_linear_oscillator_has_the_closed_form_rms():
     """Fa W^2 / sqrt((1 - W^2)^2 + (2 zeta W)^2) over the square root of 2."""
     zeta, torque = 0.05, 500.0
     pair = one_degree_of_freedom(mesh_damping_ratio=zeta, transmission_error_amplitude=1e-6)
-    operation = study.Operation(pair, speed_at(pair, 0.4), torque)
+    operation = study.OperatingPoint(pair, speed_at(pair, 0.4), torque)
     arrays = study.response(operation, begin=0.4, end=0.7, count=3, transient=200).arrays
     w = np.array([0.4, 0.55, 0.7])
     amplitude = 1e-6 / pair.half_backlash * w**2 / np.hypot(1 - w**2, 2 * zeta * w)
@@ -67,7 +67,9 @@ def test_rms_of_noise_comes_with_its_error():
 
 
 def test_response_of_the_linear_motion_is_the_same_up_and_down():
-    outcome = study.response(study.default_operation(), begin=0.1, end=0.13, count=4, transient=200)
+    outcome = study.response(
+        study.default_operating_point(), begin=0.1, end=0.13, count=4, transient=200
+    )
     assert_table_ends_at_the_exponents(outcome)
     up, down = outcome.arrays['rms']
     assert up == pytest.approx(down, rel=1e-4)
@@ -83,7 +85,7 @@ def test_contact_is_lost_elsewhere_when_swept_down():
         mesh_damping_ratio=0.05, transmission_error_amplitude=7.5e-6, damping_in_gap=True
     )
     torque = 0.1 * pair.derived.gear_base_radius * pair.tooth_pair_stiffness * pair.half_backlash
-    operation = study.Operation(pair, speed_at(pair, 0.8), torque)
+    operation = study.OperatingPoint(pair, speed_at(pair, 0.8), torque)
     text = study.response(operation, begin=0.69, end=0.84, count=31, transient=300).text
     up, down = text.split('swept down')
     # The grid has 0.825 as the first value above 0.8206, and 0.71 as the last above 0.7081.
@@ -95,7 +97,7 @@ def test_constant_motion_has_no_vibration():
     """Neither error nor change of stiffness: the RMS is within the integrator's tolerance of
     1e-12, and nothing warns."""
     pair = one_degree_of_freedom(mesh_damping_ratio=0.05, transmission_error_amplitude=0.0)
-    operation = study.Operation(pair, speed_at(pair, 0.4), 500.0)
+    operation = study.OperatingPoint(pair, speed_at(pair, 0.4), 500.0)
     arrays = study.response(operation, begin=0.4, end=0.5, count=2, transient=400).arrays
     assert np.all(arrays['rms'] < 1e-11)
     assert np.all(arrays['rms_error'] < 1e-11)

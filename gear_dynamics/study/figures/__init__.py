@@ -1,1 +1,0 @@
-"""Figures of the studies, drawn from the data that they write."""
