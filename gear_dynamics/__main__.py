@@ -12,6 +12,7 @@ import importlib
 import re
 import sys
 
+from gear_dynamics.compiling import exit_at_signal
 from gear_dynamics.versions import __version__
 
 EXECUTABLES = {
@@ -41,6 +42,8 @@ def main(argv: list[str] | None = None) -> int:
         print(_unknown(name), file=sys.stderr)
         return 2
     module = EXECUTABLES[name][0]
+    if module.startswith('gear_dynamics.nodes.'):
+        exit_at_signal()  # until the node takes signals itself
     try:
         executable = importlib.import_module(module)
     except ModuleNotFoundError as error:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import signal
 import sys
 import threading
@@ -80,6 +81,15 @@ def compiling(what: str, say: Callable[[str], object]) -> Iterator[None]:
     """
     with announced(what, say), interruptible():
         yield
+
+
+def exit_at_signal() -> None:
+    """Exit with code 0 at SIGINT and SIGTERM from now on: for loading, while nothing is open.
+
+    An exception would meet the imports wherever they are, and show as a traceback.
+    """
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda number, frame: os._exit(0))
 
 
 @contextlib.contextmanager

@@ -1,5 +1,7 @@
 """Wrong input at the start: one line and exit code 2."""
 
+from pathlib import Path
+
 import pytest
 import ros_support
 
@@ -54,6 +56,25 @@ def test_help_lists_the_parameters(domain):
         assert sim.wait(60) == 0
         assert 'real_time_factor (default 1.0)' in sim.output
         assert 'half_backlash (default 0.00015)' in sim.output
+
+
+@pytest.mark.parametrize('library', ['numpy', 'rclpy', 'scipy'])
+def test_signal_while_modules_load_ends_the_program_without_a_word(domain, library):
+    with ros_support.Process('gear_dynamics', domain, command=['sim']) as sim:
+        maps = Path('/proc', str(sim.pid), 'maps')
+        ros_support.wait_until(lambda: f'/{library}/' in maps.read_text(), 60, library)
+        assert sim.stop(timeout=20) == 0
+        assert sim.output == ''
+
+
+def test_file_for_another_node_is_refused(domain, tmp_path):
+    other = tmp_path / 'other.yaml'
+    other.write_text('gear_sym: {ros__parameters: {speed: 50.0}}')
+    arguments = ['--params-file', str(other)]
+    with ros_support.Process('gear_dynamics.nodes.sim', domain, arguments=arguments) as sim:
+        assert sim.wait(60) == 2
+        (line,) = sim.output.splitlines()
+        assert 'no section is for /gear_sim; there are /gear_sym' in line
 
 
 def test_first_compilation_is_announced_and_ends_at_a_signal(domain, tmp_path, monkeypatch):
