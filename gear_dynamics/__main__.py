@@ -19,6 +19,7 @@ EXECUTABLES = {
     'sim': ('gear_dynamics.nodes.sim', 'stream a simulated gear pair in real time (ROS 2)'),
     'analyzer': ('gear_dynamics.nodes.analyzer', 'analyse the stream and log it to MCAP (ROS 2)'),
     'replay': ('gear_dynamics.nodes.replay', 'play a log back on its own topics (ROS 2)'),
+    'rig': ('gear_dynamics.nodes.rig', 'run sim, analyzer and page with one command (ROS 2)'),
     'log': ('gear_dynamics.bag.command', 'inspect, recover, export and plot logs'),
     'analyse': ('gear_dynamics.recordings.command', 'analyse recordings of a real machine'),
     'study': ('gear_dynamics.study.command', 'run experiments off line, with data and figures'),

@@ -58,16 +58,17 @@ def wait_until(condition, timeout=30.0, what='the condition'):
 class Process:
     """A Python module or script run by this interpreter from the source tree; killed at the end.
 
-    `parameters` and `arguments` are ROS parameters and further ROS arguments.
+    `parameters` and `arguments` are ROS parameters and further ROS arguments; with `ros` False the
+    program takes none.
     """
 
-    def __init__(self, module, domain, parameters=None, arguments=(), command=()):
+    def __init__(self, module, domain, parameters=None, arguments=(), command=(), ros=True):
         self._output = tempfile.TemporaryFile()  # noqa: SIM115  (closed in __exit__)
         given = [f'{name}:={_text(value)}' for name, value in (parameters or {}).items()]
-        ros = ['--ros-args', *(part for each in given for part in ('-p', each)), *arguments]
+        words = ['--ros-args', *(part for each in given for part in ('-p', each)), *arguments]
         what = [module] if module.endswith('.py') else ['-m', module]
         self._process = subprocess.Popen(
-            [sys.executable, *what, *command, *ros],
+            [sys.executable, *what, *command, *(words if ros else [])],
             cwd=ROOT,
             env=environment(domain),
             stdout=self._output,

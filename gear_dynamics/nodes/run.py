@@ -19,13 +19,11 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
 from gear_dynamics.compiling import Interrupted
+from gear_dynamics.nodes.exit_codes import USAGE_ERROR
 from gear_dynamics.nodes.middleware import use_profile
 from gear_dynamics.nodes.parameters import NodeParameters, help_text
 from gear_dynamics.parameters.files import check_parameter_file, check_section
 from gear_dynamics.parameters.parameter import ParameterError, ParameterSet
-
-USAGE_ERROR = 2
-"""Exit code when an argument, a parameter or a file given at the start is wrong."""
 
 
 class NodeError(Exception):
