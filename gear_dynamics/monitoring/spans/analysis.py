@@ -16,6 +16,7 @@ from gear_dynamics.monitoring.spans.gears import (
     FEWEST_REVOLUTIONS,
     HARMONICS,
     WHEEL_INDICATORS,
+    Angles,
     mesh_harmonics,
     shaft_average,
     wheel_indicators,
@@ -53,15 +54,18 @@ class SpanAnalysis:
         result.values |= {'t': span.start, 'duration': span.duration, 'steady': steady}
         for name, state in shafts.items():
             result.values |= _shaft_values(name, state)
+        angles = Angles(shafts)
         for channel in self.machine.channels:
             if channel.name in span.channels:
-                self._channel(channel, span.channels[channel.name], result)
+                self._channel(channel, span.channels[channel.name], angles, result)
             else:
                 names = channel_columns(self.machine, channel)
                 result.values |= dict.fromkeys(names, math.nan)
         return result
 
-    def _channel(self, channel: Channel, signal: Signal, result: SpanResult) -> None:
+    def _channel(
+        self, channel: Channel, signal: Signal, angles: Angles, result: SpanResult
+    ) -> None:
         name = channel.name
         levels = level_indicators(signal.values, signal.rate, channel.unit)
         result.values |= {f'{name}/{key}': value for key, value in levels.items()}
@@ -74,13 +78,15 @@ class SpanAnalysis:
             result.notes.append(f'{name} is constant at {levels["mean"]:g}')
         if channel.unit in SLOW:
             return
-        averages = self._averages(name, signal, result)
+        averages = self._averages(name, signal, angles, result)
         self._gears(name, averages, result)
-        residual = self._residual(signal, averages, result)
+        residual = self._residual(signal, averages, angles)
         result.residuals[name] = residual
-        self._bearings(name, residual, result)
+        self._bearings(name, residual, angles, result)
 
-    def _averages(self, name: str, signal: Signal, result: SpanResult) -> dict[str, Average]:
+    def _averages(
+        self, name: str, signal: Signal, angles: Angles, result: SpanResult
+    ) -> dict[str, Average]:
         averages = {}
         for shaft, state in result.shafts.items():
             if state.phase is None:
@@ -93,7 +99,7 @@ class SpanAnalysis:
                 if note not in result.notes:
                     result.notes.append(note)
                 continue
-            average = shaft_average(signal, state)
+            average = shaft_average(signal, shaft, angles, state.phase.speed)
             if average is not None:
                 averages[shaft] = average
                 result.averages[name, shaft] = average
@@ -116,7 +122,7 @@ class SpanAnalysis:
                 values = wheel_indicators(averages[wheel.shaft], wheel, self.machine)
             result.values |= {f'{name}/{wheel.name}_{key}': v for key, v in values.items()}
 
-    def _residual(self, signal: Signal, averages: dict[str, Average], result: SpanResult) -> Signal:
+    def _residual(self, signal: Signal, averages: dict[str, Average], angles: Angles) -> Signal:
         """Return the signal without what is synchronous with the shafts that have wheels."""
         taken: set[str] = set()
         for shaft, average in averages.items():
@@ -129,24 +135,19 @@ class SpanAnalysis:
                 for wheel in wheels
                 if any(other.shaft in taken for _, other in self.machine.meshes_of(wheel.name))
             ]
-            part = Average(
-                _without_multiples(average.values, teeth),
-                average.revolutions,
-                average.highest_order,
-                average.share,
-            )
-            signal = without_average(signal, result.shafts[shaft], part)
+            part = _without_multiples(average.values, teeth)
+            signal = without_average(signal, shaft, angles, part)
             taken.add(shaft)
         return signal
 
-    def _bearings(self, name: str, residual: Signal, result: SpanResult) -> None:
+    def _bearings(self, name: str, residual: Signal, angles: Angles, result: SpanResult) -> None:
         for bearing in self.machine.bearings:
             if bearing.channels and name not in bearing.channels:
                 continue
             shaft = result.shafts[bearing.shaft]
             state = None
             if shaft.phase is not None and shaft.phase.turned >= FEWEST_REVOLUTIONS:
-                state = bearing_state(residual, shaft, bearing, self.machine)
+                state = bearing_state(residual, angles, bearing, self.machine)
             if state is not None:
                 result.bearings[name, bearing.name] = state
             for defect in DEFECTS:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy import fft
 
 from gear_dynamics.machine.machine import Machine
 from gear_dynamics.machine.parts import DEFECTS, Bearing
-from gear_dynamics.monitoring.spans.data import BearingState, ShaftState, Signal
+from gear_dynamics.monitoring.spans.data import BearingState, Signal
+from gear_dynamics.monitoring.spans.gears import Angles
 from gear_dynamics.signal.bearing import (
     HARMONICS,
     DefectLine,
@@ -23,29 +25,34 @@ LEAD = 6.0
 """Height, and amplitude, by which a defect must exceed every other [dB]."""
 
 
+FEWEST_FOR_ENVELOPE = 1024
+"""Samples that an envelope spectrum needs."""
+
+FEWEST_SAMPLES, IMPACTS = 16384, 30
+"""Samples, and impacts, by which the band of the envelope is chosen at least."""
+
+
 def bearing_state(
-    signal: Signal, state: ShaftState, bearing: Bearing, machine: Machine
+    signal: Signal, angles: Angles, bearing: Bearing, machine: Machine
 ) -> BearingState | None:
-    """Return what a channel shows of a bearing; None where the shaft's angle is not known.
+    """Return what a channel shows of a bearing; None if it is too short or sampled too slowly.
 
     The band with the most impacts and the full band are both tried; the one in which a defect
     stands out most is taken for all defects.
     """
-    phase = state.phase
-    if phase is None:
+    known, revolutions = angles.at(bearing.shaft, signal)
+    # The Fourier transforms of a length with large prime factors are slow.
+    length = _fast_length(len(revolutions))
+    values, revolutions = signal.values[known][:length], revolutions[:length]
+    if length < FEWEST_FOR_ENVELOPE or not np.ptp(values) > 0:
         return None
-    time = signal.time
-    known = (time >= phase.start) & (time <= phase.end)
-    values = signal.values[known]
-    if len(values) < 1024 or not np.ptp(values) > 0:
-        return None
-    revolutions = phase.at(time[known])
+    speed = (revolutions[-1] - revolutions[0]) / (length - 1) * signal.rate
     highest = 1.1 * HARMONICS * max(bearing.order(each) for each in DEFECTS)
-    if highest * phase.speed > ACCURATE_BAND * signal.rate:
+    if highest * speed > ACCURATE_BAND * signal.rate:
         return None
     explained = explained_orders(bearing, machine, highest)
     states = []
-    for low, high in _bands(values, signal.rate, phase.speed, bearing):
+    for low, high in _bands(values, signal.rate, speed, bearing):
         spectrum = envelope_orders(values, signal.rate, revolutions, low, high, highest)
         lines = {
             each: find_defect(spectrum, bearing.order(each), bearing.slip, explained)
@@ -54,6 +61,14 @@ def bearing_state(
         named = name_defect(lines, spectrum.width)
         states.append(BearingState(lines, named, spectrum, (low, high)))
     return max(states, key=_greatest)
+
+
+def _fast_length(count: int) -> int:
+    """Return the greatest length up to `count` of which Fourier transforms are fast."""
+    for length in range(count, max(count - 512, 0), -1):
+        if fft.next_fast_len(length, real=True) == length:
+            return length
+    return count
 
 
 def _greatest(state: BearingState) -> float:
@@ -65,7 +80,8 @@ def _bands(
 ) -> list[tuple[float, float]]:
     # A band must hold three harmonics of the impacts on either side of its centre.
     least = 3 * speed * max(bearing.outer, bearing.inner)
-    chosen = most_impulsive_band(values, rate, least_width=least)
+    length = int(max(FEWEST_SAMPLES, IMPACTS * rate / (speed * bearing.outer)))
+    chosen = most_impulsive_band(values[:length], rate, least_width=least)
     bands = [(0.0, rate / 2)]
     if np.isfinite(chosen.kurtosis) and chosen.high - chosen.low < 0.79 * rate / 2:
         bands.append((chosen.low, chosen.high))

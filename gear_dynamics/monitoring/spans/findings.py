@@ -71,6 +71,13 @@ def _bearing_findings(summary: Summary, rows: Sequence[Row]) -> Iterator[Finding
         for (channel, name), record in summary.bearings.items():
             if name == bearing.name:
                 yield _bearing_finding(bearing, channel, record, rows)
+        if not any(name == bearing.name for _, name in summary.bearings):
+            yield Finding(
+                'bearing',
+                False,
+                f'bearing {bearing.name} was not judged: that needs {FEWEST_REVOLUTIONS} '
+                'revolutions in a span, and a sample rate of 8 times its highest order.',
+            )
 
 
 def _bearing_finding(
@@ -105,14 +112,12 @@ def _bearing_finding(
         )
     levels = {each: _median(rows, f'{channel}/{bearing.name}_{each}_level') for each in DEFECTS}
     known = {each: level for each, level in levels.items() if not math.isnan(level)}
-    if not known:
-        return Finding('bearing', False, f'{where}: its lines could not be measured.')
-    greatest = max(known, key=lambda each: known[each])
+    greatest = max(known, key=lambda each: known[each], default=best)
     return Finding(
         'bearing',
         False,
         f'{where}: no fault stands out; the greatest is the {_PARTS[greatest]} with '
-        f'{known[greatest]:.1f} dB in the median of {count} spans.',
+        f'{levels[greatest]:.1f} dB in the median of {count} spans.',
     )
 
 
@@ -229,15 +234,6 @@ def _line_findings(summary: Summary) -> Iterator[Finding]:
                 f'channel {channel.name}: lines that no shaft, mesh or bearing explains, with '
                 f'their height over the surroundings, mean of all spans: {listed}.',
             )
-
-
-def orders_known(rows: Sequence[Row], machine: Machine) -> bool:
-    """Return whether any span had enough revolutions for orders."""
-    return any(
-        row.get(f'{shaft.name}/revolutions', 0) >= FEWEST_REVOLUTIONS
-        for row in rows
-        for shaft in machine.shafts
-    )
 
 
 def _values(rows: Sequence[Row], column: str) -> np.ndarray:

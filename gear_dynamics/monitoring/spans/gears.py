@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 from scipy import fft
@@ -26,33 +27,63 @@ WHEEL_INDICATORS = (
 )
 
 
-def resampled(signal: Signal, state: ShaftState) -> tuple[np.ndarray, int]:
+class Angles:
+    """The angles of the shafts at the samples of signals; each is worked out once.
+
+    Parameters
+    ----------
+    states : mapping of str to ShaftState
+        By the shaft's name.
+    """
+
+    def __init__(self, states: Mapping[str, ShaftState]) -> None:
+        self._states = states
+        self._kept: dict[tuple[str, float, float, int], tuple[slice, np.ndarray]] = {}
+
+    def at(self, shaft: str, signal: Signal) -> tuple[slice, np.ndarray]:
+        """Return which samples lie where the angle is known, and the revolutions there."""
+        key = (shaft, signal.rate, signal.start, len(signal.values))
+        if key not in self._kept:
+            phase = self._states[shaft].phase
+            assert phase is not None
+            time = signal.time
+            first = int(np.searchsorted(time, phase.start))
+            last = int(np.searchsorted(time, phase.end, side='right'))
+            self._kept[key] = slice(first, last), phase.at(time[first:last])
+        return self._kept[key]
+
+
+def resampled(signal: Signal, shaft: str, angles: Angles) -> tuple[np.ndarray, int]:
     """Return a signal by the angle of a shaft from a whole revolution on, and points a revolution.
 
     There are somewhat more points than samples, so that nothing folds back.
     """
-    assert state.phase is not None
-    phase = state.phase
-    time = signal.time
-    known = (time >= phase.start) & (time <= phase.end)
+    known, revolutions = angles.at(shaft, signal)
     values = signal.values[known]
     if len(values) <= 4 * HALF_WIDTH:
         return np.empty(0), 1
-    revolutions = phase.at(time[known])
     speed = (revolutions[-1] - revolutions[0]) / (len(values) - 1)
     points = fft.next_fast_len(math.ceil(1.1 / speed), real=True)
     first, even = resample_by_phase(values, revolutions, points)
     return even[-first % points :], points
 
 
-def shaft_average(signal: Signal, state: ShaftState) -> Average | None:
-    """Return the synchronous average over all whole revolutions; None if they are too few."""
-    even, points = resampled(signal, state)
+def shaft_average(signal: Signal, shaft: str, angles: Angles, speed: float) -> Average | None:
+    """Return the synchronous average over all whole revolutions; None if they are too few.
+
+    Parameters
+    ----------
+    signal : Signal
+    shaft : str
+    angles : Angles
+    speed : float
+        Mean speed of the shaft [revolutions/s].
+    """
+    even, points = resampled(signal, shaft, angles)
     count = len(even) // points
     if count < FEWEST_REVOLUTIONS:
         return None
-    assert state.phase is not None
-    highest = ACCURATE_BAND * signal.rate / state.phase.speed
+    highest = ACCURATE_BAND * signal.rate / speed
     average = below_order(synchronous_average(even, points), highest)
     variance = float(np.var(signal.values))
     share = 0.0
@@ -62,16 +93,15 @@ def shaft_average(signal: Signal, state: ShaftState) -> Average | None:
     return Average(average, count, highest, min(max(share, 0.0), 1.0))
 
 
-def without_average(signal: Signal, state: ShaftState, average: Average) -> Signal:
+def without_average(signal: Signal, shaft: str, angles: Angles, average: np.ndarray) -> Signal:
     """Return a signal without its synchronous average: the residual record."""
-    assert state.phase is not None
-    phase = state.phase
-    inside = np.clip(signal.time, phase.start, phase.end)
-    angle = np.mod(phase.at(inside), 1.0) * len(average.values)
-    wrapped = np.append(average.values, average.values[0])
-    periodic = np.interp(angle, np.arange(len(wrapped)), wrapped)
-    known = (signal.time >= phase.start) & (signal.time <= phase.end)
-    values = signal.values - np.where(known, periodic - average.values.mean(), 0.0)
+    known, revolutions = angles.at(shaft, signal)
+    place = (revolutions - np.floor(revolutions)) * len(average)
+    before = np.minimum(place.astype(np.intp), len(average) - 1)
+    centred = average - average.mean()
+    steps = np.roll(centred, -1) - centred
+    values = signal.values.copy()
+    values[known] -= centred[before] + (place - before) * steps[before]
     return Signal(values, signal.rate, signal.start)
 
 
