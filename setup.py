@@ -47,7 +47,7 @@ setup(
         'numpy>=1.26',
         'scipy>=1.11',
         'numba>=0.58',
-        'mcap>=1.2',
+        'mcap>=1.2.2',
         'rosbags',
         'PyYAML',
         'matplotlib',

@@ -8,7 +8,7 @@ from operator import attrgetter
 
 from gear_dynamics.bag.source import McapSource, ReadMessage, Segment
 
-MOST_HELD = 1 << 28
+MOST_HELD = 1 << 27
 """Bytes of segments, overlapping in time, that are held at once to put them in order."""
 
 _Held = tuple[int, int, ReadMessage, Iterator[ReadMessage], Segment]

@@ -28,7 +28,7 @@ from gear_dynamics.bag.decompress import DecompressionError, decompress
 
 _Record = TypeVar('_Record', Channel, Schema, Metadata, Header)
 
-LARGEST_RECORD = 1 << 28
+LARGEST_RECORD = 1 << 27
 """Bytes beyond which a record that must be read at once is refused."""
 
 MOST_PADDING = 1024

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import os
+import stat
 import tempfile
 from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
@@ -36,6 +37,9 @@ from gear_dynamics.bag.walk import Place, Walk, find_chunk
 
 _LOOSE_SIZE = 1 << 20
 """Bytes of messages outside chunks that are read at once."""
+
+LONGEST_NAME = 4096
+"""Characters of a topic, a type or an encoding."""
 
 _FOREIGN = {
     b'SQLite format 3\0': 'this is an SQLite bag: `ros2 bag convert` makes an MCAP bag of it',
@@ -223,9 +227,9 @@ class McapSource:
             )
             if self.index is not None:
                 for schema in self.index.schemas.values():
-                    self._learn(schema)
+                    self._learn(schema, self.index.start)
                 for channel in self.index.channels.values():
-                    self._learn(channel)
+                    self._learn(channel, self.index.start)
             self.foreign = self._foreign_kind()
             if not self.foreign:
                 self._walk()
@@ -262,9 +266,9 @@ class McapSource:
             elif place.opcode == Opcode.HEADER:
                 self.profile = parse_record(Header, place.content).profile
             elif place.opcode == Opcode.SCHEMA:
-                self._learn(parse_record(Schema, place.content))
+                self._learn(parse_record(Schema, place.content), place.offset)
             elif place.opcode == Opcode.CHANNEL:
-                self._learn(parse_record(Channel, place.content))
+                self._learn(parse_record(Channel, place.content), place.offset)
             elif place.opcode == Opcode.METADATA:
                 self._metadata.append((place.offset, parse_record(Metadata, place.content)))
         self.complete = walk.complete
@@ -378,7 +382,7 @@ class McapSource:
         try:
             for item in iter_records(records):
                 if not isinstance(item, RawMessage):
-                    self._learn(item)
+                    self._learn(item, segment.offset)
                 elif (channel := self._channels.get(item.channel)) is None:
                     unknown[item.channel] = unknown.get(item.channel, 0) + 1
                 else:
@@ -426,7 +430,20 @@ class McapSource:
             else:
                 yield content
 
-    def _learn(self, record: Schema | Channel) -> None:
+    def _learn(self, record: Schema | Channel, offset: int) -> None:
+        """Take a schema or a channel, from the record or chunk at a byte."""
+        names = (
+            (record.name,)
+            if isinstance(record, Schema)
+            else (record.topic, record.message_encoding)
+        )
+        for name in names:
+            if len(name) > LONGEST_NAME:
+                self._damaged(
+                    offset,
+                    f'a name of {len(name)} characters is refused: the limit is {LONGEST_NAME}',
+                )
+                return
         if isinstance(record, Schema):
             self._schemas[record.id] = record
             return
@@ -463,7 +480,10 @@ def _open(path: Path) -> int:
     OSError
         If it cannot be opened, or there is no room for it.
     """
-    file = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+    file = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK)
+    if not stat.S_ISREG(os.fstat(file).st_mode):
+        os.close(file)
+        raise LogError(f'{path}: this is no file')
     if os.pread(file, len(ZSTD_MAGIC), 0) != ZSTD_MAGIC:
         return file
     with os.fdopen(file, 'rb') as compressed, tempfile.TemporaryFile() as plain:

@@ -68,9 +68,9 @@ def message_class(type_name: str) -> Any:
     """
     types = typestore().types
     if type_name not in types:
-        near = difflib.get_close_matches(type_name, types, n=1)
+        near = difflib.get_close_matches(type_name[:100], types, n=1)
         hint = f'; did you mean {near[0]!r}?' if near else ''
-        raise MessageError(f'{type_name!r} is not a message type of ROS 2 Jazzy{hint}')
+        raise MessageError(f'{type_name[:100]!r} is not a message type of ROS 2 Jazzy{hint}')
     return types[type_name]
 
 
