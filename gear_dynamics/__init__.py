@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from gear_dynamics import dynamics, signal, study
     from gear_dynamics.bag.reader import read_log
+    from gear_dynamics.bag.write_log import write_log
     from gear_dynamics.machine.columns import EventKind
     from gear_dynamics.machine.machine import Machine
     from gear_dynamics.model import faults
@@ -43,6 +44,7 @@ __all__ = [
     'simulate',
     'simulate_batch',
     'study',
+    'write_log',
 ]
 
 _MODULES = {
@@ -59,6 +61,7 @@ _MODULES = {
     'read_log': 'bag.reader',
     'simulate': 'simulation.simulate',
     'simulate_batch': 'simulation.batch',
+    'write_log': 'bag.write_log',
 }
 """The module that each name comes from."""
 

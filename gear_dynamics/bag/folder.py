@@ -7,6 +7,7 @@ import os
 import time
 from collections.abc import Mapping
 from pathlib import Path
+from typing import NamedTuple
 
 from gear_dynamics.bag.mcap_file import CHUNK_SIZE, McapFile
 from gear_dynamics.bag.metadata import FileSummary, Topic, sync_folder, write_metadata
@@ -56,8 +57,17 @@ class Limits:
         return min(self.split_size, self.total_cap / 4)
 
 
+class _Latched(NamedTuple):
+    topic: Topic
+    data: bytes
+    publish_time: int
+
+
 class BagFolder:
     """The files of one run, `gear_log_YYYY_MM_DD-HH_MM_SS/` in a directory.
+
+    Every file begins with the last message of each latched topic, as the rig's configuration, so
+    that it can be analysed without those before it.
 
     Parameters
     ----------
@@ -91,6 +101,8 @@ class BagFolder:
         self._finished: list[FileSummary] = []
         self._number = 0
         self._largest = 0
+        self._latched: dict[str, _Latched] = {}
+        self.repeated = 0
 
     @property
     def is_open(self) -> bool:
@@ -135,7 +147,7 @@ class BagFolder:
         self._number += 1
 
     def _make_folder(self) -> Path:
-        """Make the run's folder, again if it was deleted, but never again what it is in."""
+        """Create the run folder; recreate it if it was deleted, but never its parent."""
         if self.path is not None:
             self.path.mkdir(exist_ok=True)
             self._finished = [f for f in self._finished if (self.path / f.name).exists()]
@@ -167,9 +179,20 @@ class BagFolder:
         file = self._current()
         size = file.size
         self._largest = max(self._largest, len(data))
+        if file.empty:
+            self._repeat_latched(file, topic, log_time)
         file.write(topic, data, log_time, publish_time)
+        if topic.latched:
+            self._latched[topic.name] = _Latched(topic, data, publish_time)
         if file.size != size or file.duration >= self._limits.split_duration * 1e9:
             self._check(file)
+
+    def _repeat_latched(self, file: McapFile, first: Topic, log_time: int) -> None:
+        """Write what is latched, as arrived with the first message of the file."""
+        for latched in self._latched.values():
+            if latched.topic.name != first.name:
+                file.write(latched.topic, latched.data, log_time, latched.publish_time)
+                self.repeated += 1
 
     def configure(self, configuration: Mapping[str, str], log_time: int) -> None:
         """Note a change of the configuration."""

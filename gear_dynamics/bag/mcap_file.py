@@ -72,6 +72,11 @@ class McapFile:
             raise
 
     @property
+    def empty(self) -> bool:
+        """Whether no message was handed in yet."""
+        return not self._started
+
+    @property
     def uncommitted(self) -> int:
         """Messages that are not in the file yet."""
         return sum(self._chunk.counts.values())

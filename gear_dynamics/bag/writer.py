@@ -40,7 +40,7 @@ class LogStatus:
     bytes : int
         Bytes of the run on the disk.
     messages : int
-        Messages written.
+        Messages written, with those that later files repeat at their beginning.
     waiting : int
         Messages handed in that are not written yet.
     dropped : int
@@ -201,7 +201,7 @@ class LogWriter:
                 reason=self._reason or '',
                 path=str(self._folder.path or self._folder.directory),
                 bytes=self._folder.size,
-                messages=self._messages,
+                messages=self._messages + self._folder.repeated,
                 waiting=len(self._queue),
                 dropped=self._dropped,
                 overflows=self._overflows,

@@ -34,6 +34,16 @@ _WIDTH = struct.Struct('<I')
 _SIZES = struct.Struct('<II')
 
 
+MOST_COLUMNS = 1024
+"""Columns beyond which a table that arrives is refused."""
+
+LARGEST_ROW = 1 << 20
+"""Bytes of a row of a table that arrives."""
+
+LONGEST_NAME = 256
+"""Characters of the name of a column that arrives."""
+
+
 class TableError(ValueError):
     """An array cannot become a table, or bytes are no table; the message says why."""
 
@@ -111,6 +121,9 @@ def decode_table(data: bytes | memoryview) -> Table:
         If the bytes are cut, are no PointCloud2, or its sizes, fields or byte order are not
         those of a table.
     """
+    count = _field_count(memoryview(data))
+    if count > MOST_COLUMNS:
+        raise TableError(f'the message has {count} fields: the limit is {MOST_COLUMNS}')
     try:
         cloud = deserialize(memoryview(data), TABLE_TYPE)
     except MessageError as error:
@@ -138,6 +151,15 @@ def decode_table(data: bytes | memoryview) -> Table:
         rows=np.frombuffer(cloud.data, dtype, cloud.width),
         data_offset=_data_offset(columns, len(frame_id.encode())),
     )
+
+
+def _field_count(data: memoryview) -> int:
+    """Return how many fields a cloud claims to have, before any is decoded."""
+    if len(data) < 16:
+        return 0  # too short for a cloud, which decoding will tell
+    order: Any = 'little' if data[1] & 1 else 'big'
+    at = _aligned(16 + int.from_bytes(data[12:16], order)) + 8
+    return int.from_bytes(data[at : at + 4], order)
 
 
 def columns_as_float32(samples: np.ndarray, t0: float) -> np.ndarray:
@@ -222,6 +244,11 @@ def _dtype(columns: tuple[tuple[str, int, int, int], ...], point_step: int) -> n
     if not columns:
         raise TableError('the message has no fields: a table has one or more columns')
     for name, offset, datatype, count in columns:
+        if not 0 < len(name) <= LONGEST_NAME or not name.isprintable():
+            raise TableError(
+                f'a column is named {name[:20]!r}: a name has 1 to {LONGEST_NAME} printable '
+                'characters'
+            )
         if datatype not in _DATATYPES:
             raise TableError(f'column {name!r} has datatype {datatype}: known are 1 to 8')
         if count != 1:
@@ -236,6 +263,8 @@ def _dtype(columns: tuple[tuple[str, int, int, int], ...], point_step: int) -> n
         'offsets': [column[1] for column in columns],
         'itemsize': point_step,
     }
+    if point_step > LARGEST_ROW:
+        raise TableError(f'point_step is {point_step}: the limit is {LARGEST_ROW} bytes')
     try:
         return np.dtype(layout)  # type: ignore[call-overload]
     except ValueError as error:

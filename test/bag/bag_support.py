@@ -3,6 +3,7 @@
 import dataclasses
 
 import numpy as np
+from mcap.reader import make_reader
 
 from gear_dynamics.bag.metadata import OfferedQos
 from gear_dynamics.bag.writer import LogWriter
@@ -89,8 +90,32 @@ def write_log(directory, published, **options):
             hand_in(writer, message)
         final = writer.close()
     assert final.reason == ''
-    assert (final.dropped, final.messages, final.waiting) == (0, len(published), 0)
-    return next(path for path in directory.iterdir() if path.is_dir())
+    folder = next(path for path in directory.iterdir() if path.is_dir())
+    latched = {message.topic for message in published if message.qos == LATCHED}
+    repeated = number_of(bag_files(folder)[-1]) * len(latched)
+    assert (final.dropped, final.messages, final.waiting) == (0, len(published) + repeated, 0)
+    return folder
+
+
+def bag_files(folder):
+    return sorted(folder.glob('*.mcap'), key=number_of)
+
+
+def number_of(file):
+    return int(file.stem.rsplit('_', 1)[1])
+
+
+def with_repeats(published, folder):
+    """Return what stands in the log: each file but the first begins with the configuration."""
+    expected, place = list(published), 0
+    for file in bag_files(folder):
+        with file.open('rb') as stream:
+            about = make_reader(stream).get_summary().statistics
+        if place:
+            again = dataclasses.replace(published[0], log_time=about.message_start_time)
+            expected.insert(place, again)
+        place += about.message_count
+    return expected
 
 
 def hand_in(writer, message):

@@ -286,9 +286,10 @@ def replay(path, scratch):
     for message in read_messages(path):
         first_profile(message.channel.qos)
         with contextlib.suppress(MessageError):
-            text = deserialize(message.data, message.channel.type_name)
-            with contextlib.suppress(ValueError):
-                Rig.from_text(getattr(text, 'data', ''))
+            text = getattr(deserialize(message.data, message.channel.type_name), 'data', None)
+            if isinstance(text, str):
+                with contextlib.suppress(ValueError):
+                    Rig.from_text(text)
 
 
 def command(verb, *options, output=None):

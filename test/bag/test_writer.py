@@ -21,6 +21,7 @@ from rosbags.typesys import Stores, get_typestore
 import gear_dynamics.bag.folder
 import gear_dynamics.bag.writer
 from gear_dynamics.bag.info import log_info
+from gear_dynamics.bag.reader import read_messages
 from gear_dynamics.bag.writer import LogWriter
 from gear_dynamics.wire.messages import MessageError
 
@@ -37,10 +38,6 @@ NINE_KEYS = {
 }
 
 
-def bag_files(folder):
-    return sorted(folder.glob('*.mcap'), key=lambda path: int(path.stem.rsplit('_', 1)[1]))
-
-
 @pytest.fixture(scope='module', params=['none', 'lz4', 'zstd'])
 def bag(request, tmp_path_factory):
     published = bag_support.messages(60)
@@ -48,13 +45,13 @@ def bag(request, tmp_path_factory):
     folder = bag_support.write_log(
         directory, published, compression=request.param, split_duration=0.04
     )
-    return folder, published
+    return folder, bag_support.with_repeats(published, folder)
 
 
 @pytest.mark.parametrize('single', [False, True])
 def test_rosbags_reads_folder_and_file(bag, single):
     folder, published = bag
-    files = bag_files(folder)
+    files = bag_support.bag_files(folder)
     assert len(files) > 1
     store = get_typestore(Stores.ROS2_JAZZY)
     found = []
@@ -84,7 +81,7 @@ def test_mcap_decodes_every_field_as_published(bag):
     folder, published = bag
     store = get_typestore(Stores.ROS2_JAZZY)
     found = []
-    for path in bag_files(folder):
+    for path in bag_support.bag_files(folder):
         with path.open('rb') as stream:
             reader = make_reader(stream, validate_crcs=True, decoder_factories=[DecoderFactory()])
             found += list(reader.iter_decoded_messages(log_time_order=False))
@@ -117,7 +114,7 @@ def same(decoded, expected):
 
 def test_files_are_what_rosbag2_expects(bag):
     folder, _ = bag
-    for path in bag_files(folder):
+    for path in bag_support.bag_files(folder):
         with path.open('rb') as stream:
             reader = make_reader(stream)
             assert reader.get_header().profile == 'ros2'
@@ -149,7 +146,9 @@ def test_metadata_yaml_has_version_9_and_policies_as_words(bag):
     assert information['version'] == 9
     assert information['storage_identifier'] == 'mcap'
     assert information['ros_distro'] == 'jazzy'
-    assert information['relative_file_paths'] == [path.name for path in bag_files(folder)]
+    assert information['relative_file_paths'] == [
+        path.name for path in bag_support.bag_files(folder)
+    ]
     assert sum(file['message_count'] for file in information['files']) == len(published)
     for topic in information['topics_with_message_count']:
         profile = topic['topic_metadata']['offered_qos_profiles'][0]
@@ -161,7 +160,7 @@ def test_metadata_yaml_has_version_9_and_policies_as_words(bag):
 def test_names_of_folder_and_files(bag):
     folder, _ = bag
     assert folder.name.startswith('gear_log_')
-    for number, path in enumerate(bag_files(folder)):
+    for number, path in enumerate(bag_support.bag_files(folder)):
         assert path.name == f'{folder.name}_{number}.mcap'
 
 
@@ -169,7 +168,7 @@ def test_a_file_ends_after_its_duration(tmp_path):
     published = bag_support.messages(60)
     folder = bag_support.write_log(tmp_path, published, split_duration=0.02)
     spans = []
-    for path in bag_files(folder):
+    for path in bag_support.bag_files(folder):
         with Reader(path) as reader:
             spans.append((reader.start_time, reader.end_time))
     for (begin, end), (start, _) in itertools.pairwise(spans):
@@ -182,7 +181,7 @@ def test_a_file_ends_at_its_size_and_old_ones_go(tmp_path):
     folder = bag_support.write_log(
         tmp_path, published, compression='none', split_size=2e6, total_cap=8e6
     )
-    files = bag_files(folder)
+    files = bag_support.bag_files(folder)
     sizes = [path.stat().st_size for path in files]
     # A file may be larger by the chunk that reached the limit and by its index.
     assert all(2e6 <= size < 2e6 + 1.2e6 + 2e5 for size in sizes[:-1])
@@ -192,7 +191,25 @@ def test_a_file_ends_at_its_size_and_old_ones_go(tmp_path):
     assert numbers == list(range(numbers[0], numbers[-1] + 1))
     with Reader(folder) as reader:
         kept = [bytes(data) for _, _, data in reader.messages()]
-    assert kept == [m.data for m in published][-len(kept) :]
+    configuration = published[0].data
+    assert kept[0] == configuration
+    assert kept.count(configuration) == len(files)
+    stream = [data for data in kept if data != configuration]
+    assert stream == [m.data for m in published][-len(stream) :]
+
+
+def test_every_file_of_a_split_log_begins_with_the_configuration(tmp_path):
+    """So that each can be analysed alone; it arrives as the first message of its file does."""
+    published = bag_support.messages(60)
+    folder = bag_support.write_log(tmp_path, published, split_duration=0.01)
+    files = bag_support.bag_files(folder)
+    assert len(files) > 3
+    for file in files:
+        first, second = itertools.islice(read_messages(file), 2)
+        assert first.channel.topic == '/gear_pair/configuration'
+        assert first.data == published[0].data
+        assert first.publish_time == published[0].publish_time
+        assert first.log_time == (second.log_time if file != files[0] else bag_support.START)
 
 
 def test_a_change_of_configuration_is_noted(tmp_path):
@@ -262,7 +279,7 @@ def test_two_logs_in_the_same_second_have_folders_of_their_own(tmp_path):
 def test_indexes_point_at_what_they_name(bag):
     """Readers in C++ seek by the message indexes and the summary offsets."""
     folder, _ = bag
-    for path in bag_files(folder):
+    for path in bag_support.bag_files(folder):
         content = path.read_bytes()
         with path.open('rb') as stream:
             summary = make_reader(stream).get_summary()

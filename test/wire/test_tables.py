@@ -157,6 +157,11 @@ def field(name='a', offset=0, datatype=7, count=1):
         ({'fields': [field(datatype=1), field(datatype=2)]}, 'make no table'),
         ({'data': np.zeros(11, np.uint8)}, '11 bytes of rows'),
         ({'data': np.zeros(0, np.uint8), 'point_step': 0}, 'does not fit'),
+        ({'fields': [field(f'c{n}') for n in range(1025)]}, 'has 1025 fields: the limit is 1024'),
+        ({'fields': [field('x' * 257)]}, "named 'xxxxxxxxxxxxxxxxxxxx': a name has 1 to 256"),
+        ({'fields': [field('a\n')]}, 'printable characters'),
+        ({'fields': [field('')]}, "named ''"),
+        ({'point_step': 1 << 21}, 'point_step is 2097152: the limit is 1048576'),
     ],
 )
 def test_an_inconsistent_message_is_refused(changes, words):
