@@ -101,10 +101,12 @@ def interruptible() -> Iterator[None]:
         nonlocal came
         came = True
         # What is raised in a callback from C or a finalizer is only reported, and goes no further.
-        signal.setitimer(signal.ITIMER_REAL, AGAIN)
+        if timed:
+            signal.setitimer(signal.ITIMER_REAL, AGAIN)
         raise Interrupted
 
-    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGALRM)
+    timed = hasattr(signal, 'setitimer')  # not on Windows
+    numbers = [signal.SIGINT, signal.SIGTERM, *([signal.SIGALRM] if timed else [])]
     handlers = [signal.signal(number, interrupt) for number in numbers]
     report = sys.unraisablehook
     sys.unraisablehook = lambda unraisable: None if came else report(unraisable)
@@ -114,7 +116,7 @@ def interruptible() -> Iterator[None]:
         if not came:
             raise
     finally:
-        if came:
+        if came and timed:
             signal.setitimer(signal.ITIMER_REAL, 0)
         sys.unraisablehook = report
         for number, handler in zip(numbers, handlers, strict=True):

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
-import os
 import time
 from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
 from gear_dynamics.bag.mcap_file import CHUNK_SIZE, McapFile
-from gear_dynamics.bag.metadata import FileSummary, Topic, sync_folder, write_metadata
+from gear_dynamics.bag.metadata import FileSummary, Topic, write_metadata
+from gear_dynamics.portable import free_space, sync_folder
 
 FOLDER_NAME = 'gear_log'
 """Begins the name of a log's folder."""
@@ -255,8 +255,7 @@ class BagFolder:
     def _check_room(self, margin: int) -> None:
         """Keep so much free that chunk, index and metadata.yaml can still be written."""
         reserve = 4 * CHUNK_SIZE + 2 * self._largest + margin
-        disk = os.statvfs(self.path or self.directory)
-        free = disk.f_bavail * disk.f_frsize
+        free = free_space(self.path or self.directory)
         if free < self._limits.free_floor + reserve:
             raise LogStopped(
                 f'{free / 1e9:.3f} GB are free for {self.path}, the floor is '

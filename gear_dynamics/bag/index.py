@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import os
 import struct
 import zlib
 from collections.abc import Callable
@@ -15,6 +14,7 @@ from mcap.stream_reader import StreamReader
 from mcap.writer import MCAP0_MAGIC
 
 from gear_dynamics.bag.records import PARSE_ERRORS
+from gear_dynamics.portable import pread
 
 LARGEST_INDEX = 1 << 26
 """Bytes of an index beyond which the file is read without it."""
@@ -68,7 +68,7 @@ def read_index(file: int, size: int, tell: Callable[[int, str], None]) -> Index 
     tell : callable
         Told of the byte and the reason where an index is damaged.
     """
-    tail = os.pread(file, _TAIL_SIZE, max(size - _TAIL_SIZE, 0))
+    tail = pread(file, _TAIL_SIZE, max(size - _TAIL_SIZE, 0))
     if len(tail) != _TAIL_SIZE or tail[_FOOTER.size :] != MCAP0_MAGIC:
         return None
     opcode, length, start, _, crc = _FOOTER.unpack_from(tail)
@@ -78,7 +78,7 @@ def read_index(file: int, size: int, tell: Callable[[int, str], None]) -> Index 
     if not len(MCAP0_MAGIC) <= start <= end or end - start > LARGEST_INDEX:
         tell(end, f'the index is said to begin at byte {start}: the file is read without it')
         return None
-    summary = os.pread(file, end - start, start)
+    summary = pread(file, end - start, start)
     if crc and zlib.crc32(tail[: _FOOTER.size - 4], zlib.crc32(summary)) != crc:
         tell(start, 'the index is damaged: the file is read without it')
         return None

@@ -17,6 +17,7 @@ from mcap.writer import MCAP0_MAGIC
 from gear_dynamics.bag.chunk_builder import ChunkBuilder
 from gear_dynamics.bag.mcap_index import McapIndex
 from gear_dynamics.bag.metadata import FileSummary, Topic, bag_information
+from gear_dynamics.portable import WRITE_NEW, sync_data, writev
 
 CHUNK_SIZE = 1 << 20
 """Bytes of messages, before compression, after which a chunk is closed."""
@@ -49,8 +50,7 @@ class McapFile:
 
     def __init__(self, path: Path, compression: str, profile: str = 'ros2') -> None:
         self.path = path
-        flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC
-        self._file = os.open(path, flags, 0o644)
+        self._file = os.open(path, WRITE_NEW, 0o644)
         self.size = 0
         self.lost = 0
         self._chunk = ChunkBuilder(compression)
@@ -150,7 +150,7 @@ class McapFile:
         if self.size != self._synced:
             self._synced = self.size
             self._sync_start = time.monotonic()
-            self._syncing = self._syncer.submit(os.fdatasync, self._file)
+            self._syncing = self._syncer.submit(sync_data, self._file)
 
     @property
     def syncing(self) -> float:
@@ -174,7 +174,7 @@ class McapFile:
         record = _metadata_record('rosbag2', {'serialized_metadata': text})
         place = MetadataIndex(self.size, len(record), 'rosbag2')
         self._write(record + self._index.build(self.size + len(record), place))
-        os.fdatasync(self._file)
+        sync_data(self._file)
         self.abandon()
         return self._summary()
 
@@ -210,7 +210,7 @@ class McapFile:
         """Write all of it or nothing."""
         size = sum(map(len, parts))
         try:
-            written = os.writev(self._file, parts)
+            written = writev(self._file, parts)
             if written < size:
                 rest = memoryview(b''.join(parts))[written:]
                 while rest:

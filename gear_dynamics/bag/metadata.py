@@ -10,6 +10,7 @@ from typing import Any
 
 import yaml
 
+from gear_dynamics.portable import sync_folder
 from gear_dynamics.wire.messages import message_type
 from gear_dynamics.wire.topics import Qos
 
@@ -175,12 +176,3 @@ def write_metadata(folder: Path, files: Iterable[FileSummary]) -> None:
         os.fsync(stream.fileno())
     temporary.replace(folder / METADATA_FILE)
     sync_folder(folder)
-
-
-def sync_folder(folder: Path) -> None:
-    """Make new and renamed files in the folder outlive a power loss."""
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)

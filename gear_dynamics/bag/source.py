@@ -34,6 +34,7 @@ from gear_dynamics.bag.records import (
     unpack_chunk,
 )
 from gear_dynamics.bag.walk import Place, Walk, find_chunk
+from gear_dynamics.portable import READ, pread
 
 _LOOSE_SIZE = 1 << 20
 """Bytes of messages outside chunks that are read at once."""
@@ -243,11 +244,11 @@ class McapSource:
 
     def _foreign_kind(self) -> str:
         """Return what the file is if neither its first bytes nor any others are those of MCAP."""
-        if self.index is not None or os.pread(self.file, len(MCAP0_MAGIC), 0) == MCAP0_MAGIC:
+        if self.index is not None or pread(self.file, len(MCAP0_MAGIC), 0) == MCAP0_MAGIC:
             return ''
         if find_chunk(self.file, 0, self.size) is not None:
             return ''
-        head = os.pread(self.file, 16, 0)
+        head = pread(self.file, 16, 0)
         hints = (hint for magic, hint in _FOREIGN.items() if head.startswith(magic))
         return next(hints, 'this is no MCAP file')
 
@@ -368,7 +369,7 @@ class McapSource:
         return messages
 
     def _raw_messages(self, segment: Segment) -> Iterator[tuple[RawMessage, LogChannel]]:
-        record = os.pread(self.file, segment.length, segment.offset)
+        record = pread(self.file, segment.length, segment.offset)
         what = f'a chunk of {segment.length - RECORD.size} bytes'
         try:
             if segment.is_chunk:
@@ -480,11 +481,11 @@ def _open(path: Path) -> int:
     OSError
         If it cannot be opened, or there is no room for it.
     """
-    file = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK)
+    file = os.open(path, READ)
     if not stat.S_ISREG(os.fstat(file).st_mode):
         os.close(file)
         raise LogError(f'{path}: this is no file')
-    if os.pread(file, len(ZSTD_MAGIC), 0) != ZSTD_MAGIC:
+    if pread(file, len(ZSTD_MAGIC), 0) != ZSTD_MAGIC:
         return file
     with os.fdopen(file, 'rb') as compressed, tempfile.TemporaryFile() as plain:
         try:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import os
 import re
 import struct
 from collections.abc import Callable, Iterator
@@ -20,6 +19,7 @@ from gear_dynamics.bag.records import (
     chunk_head,
     is_plausible,
 )
+from gear_dynamics.portable import pread
 
 _HEAD = 64
 """First bytes of a record's content, which show whether its inner lengths fit."""
@@ -84,7 +84,7 @@ class Walk:
 
     def __iter__(self) -> Iterator[Place]:
         at = len(MCAP0_MAGIC)
-        if os.pread(self._file, at, 0) != MCAP0_MAGIC:
+        if pread(self._file, at, 0) != MCAP0_MAGIC:
             self._tell(0, 'the file does not begin as an MCAP file', False)
         while at < self._limit:
             place = self._place(at)
@@ -110,7 +110,7 @@ class Walk:
 
     def _place(self, at: int) -> Place | None:
         """Return the record at a byte, None if there is none."""
-        head = os.pread(self._file, RECORD.size + _HEAD, at)
+        head = pread(self._file, RECORD.size + _HEAD, at)
         if len(head) < RECORD.size:
             return None
         opcode, length = RECORD.unpack_from(head)
@@ -118,7 +118,7 @@ class Walk:
         end = at + RECORD.size + length
         if opcode == Opcode.FOOTER:
             ends = end + len(MCAP0_MAGIC) == self._size and length >= 20
-            ends = ends and os.pread(self._file, len(MCAP0_MAGIC), end) == MCAP0_MAGIC
+            ends = ends and pread(self._file, len(MCAP0_MAGIC), end) == MCAP0_MAGIC
             return Place(at, opcode, length, content) if ends else None
         if end > self._limit:
             return None
@@ -128,7 +128,7 @@ class Walk:
         if opcode in SMALL and length > _HEAD:
             if length > LARGEST_RECORD:
                 return None
-            content = os.pread(self._file, length, at + RECORD.size)
+            content = pread(self._file, length, at + RECORD.size)
         return Place(at, opcode, length, content) if is_plausible(opcode, length, content) else None
 
     def _behind(self, place: Place) -> int:
@@ -154,7 +154,7 @@ class Walk:
 def find_chunk(file: int, start: int, size: int) -> int | None:
     """Return the offset of the first chunk from `start` on that fits a file of `size` bytes."""
     while start < size:
-        block = os.pread(file, _SEARCH_BLOCK + _LONGEST_START, start)
+        block = pread(file, _SEARCH_BLOCK + _LONGEST_START, start)
         if not block:
             return None
         for match in _CHUNK_START.finditer(block):
