@@ -1,10 +1,11 @@
 """Play a log, with an analyzer and the page if they are wanted.
 
-The end of the log ends the launch.
+The end of the log, or of any other of the processes, ends the launch.
 """
 
 from launch import LaunchContext, LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
+from launch.events.process import ProcessExited
 from launch_ros.actions import Node
 
 PACKAGE = 'gear_dynamics'
@@ -49,7 +50,7 @@ def start(context: LaunchContext) -> list[Node]:
             parameters=[parameters],
             arguments=['--ros-args', '--log-level', given['log_level']],
             output='screen',
-            on_exit=[Shutdown(reason='replay ended')] if executable == 'replay' else None,
+            on_exit=_ended,
         )
 
     replay = {
@@ -66,3 +67,10 @@ def start(context: LaunchContext) -> list[Node]:
     if given['dashboard'] == 'true':
         nodes.append(node('dashboard', {}))
     return [*nodes, node('replay', replay)]
+
+
+def _ended(event: ProcessExited, context: LaunchContext) -> list[Shutdown]:
+    """End the launch; with an error if the process did."""
+    if event.returncode and not context.is_shutdown:
+        raise RuntimeError(f'{event.process_name} ended with exit code {event.returncode}')
+    return [Shutdown(reason=f'{event.process_name} ended')]

@@ -13,6 +13,7 @@ from launch.actions import (
     SetEnvironmentVariable,
     Shutdown,
 )
+from launch.events.process import ProcessExited
 from launch_ros.actions import Node
 from launch_ros.substitutions import FindPackageShare
 
@@ -30,7 +31,7 @@ ARGUMENTS = [
     DeclareLaunchArgument('faults', default_value='', description='file of faults'),
     DeclareLaunchArgument('analyzer', default_value='true', choices=SWITCH),
     DeclareLaunchArgument('dashboard', default_value='false', choices=SWITCH),
-    DeclareLaunchArgument('log', default_value='', description='true or false: log to MCAP'),
+    DeclareLaunchArgument('log', default_value='true', choices=SWITCH, description='to MCAP'),
     DeclareLaunchArgument(
         'log_directory', default_value='', description='existing folder in which to log'
     ),
@@ -55,7 +56,7 @@ def start(context: LaunchContext) -> list:
             raise RuntimeError(f'{name} is {str(path)!r}: there is no such file')
 
     def node(executable: str, required: bool, **parameters: str) -> Node:
-        values = {name: _value(text) for name, text in parameters.items() if text}
+        values = {name: _value(name, text) for name, text in parameters.items() if text}
         return Node(
             package=PACKAGE,
             executable=executable,
@@ -63,7 +64,7 @@ def start(context: LaunchContext) -> list:
             parameters=[str(params), {'use_sim_time': given['use_sim_time'] == 'true', **values}],
             arguments=['--ros-args', '--log-level', given['log_level']],
             output='screen',
-            on_exit=[Shutdown(reason=f'{executable} ended')] if required else None,
+            on_exit=_ended if required else None,
         )
 
     actions = [_middleware(share)]
@@ -76,11 +77,24 @@ def start(context: LaunchContext) -> list:
     return actions
 
 
+def _ended(event: ProcessExited, context: LaunchContext) -> list[Shutdown]:
+    """End the launch; with an error if the process did."""
+    if event.returncode and not context.is_shutdown:
+        raise RuntimeError(f'{event.process_name} ended with exit code {event.returncode}')
+    return [Shutdown(reason=f'{event.process_name} ended')]
+
+
 def _middleware(share: Path) -> SetEnvironmentVariable:
     """Keep one dead listener from starving the others, in nodes of other packages too."""
     name = 'FASTRTPS_DEFAULT_PROFILES_FILE'
     return SetEnvironmentVariable(name, os.environ.get(name, str(share / 'config' / 'fastdds.xml')))
 
 
-def _value(text: str) -> str | bool:
-    return text == 'true' if text in SWITCH else text
+def _value(name: str, text: str) -> str | bool | float:
+    """Return an argument in the type of its parameter: ROS drops a text that replaces a number."""
+    if name == 'speed':
+        try:
+            return float(text)
+        except ValueError:
+            raise RuntimeError(f'speed is {text!r}: it must be a number') from None
+    return text == 'true' if name == 'log' else text
