@@ -48,6 +48,10 @@ class _PlainLoader(_Loader):  # type: ignore[misc]
             raise YamlError(f'line {_line(node)}: the integer {value} exceeds 64 bits')
         return int(value)
 
+    def construct_list(self, node: yaml.SequenceNode) -> list[Any]:
+        """Return a list."""
+        return list(self.construct_sequence(node, deep=True))
+
     def construct_number(self, node: yaml.ScalarNode) -> float:
         """Return a float written in a reasonable length."""
         _check_length(node)
@@ -56,6 +60,8 @@ class _PlainLoader(_Loader):  # type: ignore[misc]
 
 _PlainLoader.add_constructor('tag:yaml.org,2002:int', _PlainLoader.construct_integer)
 _PlainLoader.add_constructor('tag:yaml.org,2002:float', _PlainLoader.construct_number)
+# launch_ros writes a list of a launch file as a tuple of Python.
+_PlainLoader.add_constructor('tag:yaml.org,2002:python/tuple', _PlainLoader.construct_list)
 
 
 def parse_yaml(text: str, largest: int = LARGEST_TEXT) -> Any:

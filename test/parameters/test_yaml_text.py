@@ -130,3 +130,9 @@ def test_a_file_is_read_and_what_is_none_is_refused(tmp_path):
         read_yaml(file)
     with pytest.raises(YamlError, match='more than 262144 bytes'):
         read_yaml('/dev/zero')
+
+
+def test_a_list_as_launch_files_hand_it_on_is_a_list():
+    assert parse_yaml('topics: !!python/tuple\n- a\n- [b]\n') == {'topics': ['a', ['b']]}
+    with pytest.raises(YamlError):
+        parse_yaml('topics: !!python/object:os.system [a]')
