@@ -22,6 +22,7 @@ from gear_dynamics.nodes.analyzer_health import AnalyzerHealth
 from gear_dynamics.nodes.analyzer_log import AnalyzerLog
 from gear_dynamics.nodes.condition import condition_bytes
 from gear_dynamics.nodes.diagnostics import Diagnostics
+from gear_dynamics.nodes.machine_analyzer import MachineAnalyzer
 from gear_dynamics.nodes.parameters import NodeParameters
 from gear_dynamics.nodes.run import run_node
 from gear_dynamics.nodes.topics import listen, publisher
@@ -224,7 +225,12 @@ def _check_names(where: str, names: Iterable[str]) -> None:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the node until it is told to stop; return the exit code."""
-    return run_node(NAME, ABOUT, (AnalyzerSettings,), Analyzer, argv)
+    return run_node(NAME, ABOUT, (AnalyzerSettings,), _make, argv)
+
+
+def _make(node: Node, parameters: NodeParameters) -> Analyzer | MachineAnalyzer:
+    settings = parameters.get(AnalyzerSettings)
+    return MachineAnalyzer(node, settings) if settings.machine else Analyzer(node, parameters)
 
 
 if __name__ == '__main__':

@@ -63,6 +63,9 @@ class AnalyzerSettings(ParameterSet):
         If a value is out of its range, or an indicator is not named CHANNEL/NAME.
     """
 
+    machine: str = parameter(
+        '', 'machine file of a real machine, see docs/machines.md; empty is the simulated rig'
+    )
     log: bool = parameter(True, 'whether the topics of the rig are logged to MCAP')
     log_directory: str = parameter('.', 'existing folder in which the folder of the log is made')
     log_compression: str = parameter(
