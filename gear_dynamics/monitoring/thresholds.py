@@ -64,6 +64,11 @@ class Change(NamedTuple):
     after: Level
     value: float
 
+    def __str__(self) -> str:
+        """Return the change in words, on one line."""
+        known = '' if math.isnan(self.value) else f' at {self.value:.3g}'
+        return f'{self.subject}/{self.name}: {self.before.name} -> {self.after.name}{known}'
+
 
 @dataclasses.dataclass(frozen=True)
 class AlarmRule:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from rclpy.node import Node
 from std_msgs.msg import Float64
+from std_srvs.srv import Trigger
 
 from gear_dynamics.compiling import compiling
 from gear_dynamics.config_files import config_file
@@ -71,9 +72,23 @@ class Analyzer:
         self._rate = float('inf')
         self._pass = 1
         self._make_publishers(settings)
-        tasks = {'stream': self._health.stream, 'log': self._log.report}
+        tasks = {
+            'stream': self._health.stream,
+            'condition': self._health.condition,
+            'log': self._log.report,
+        }
         self._diagnostics = Diagnostics(node, tasks)
         self._subscribe()
+
+    def _learn(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._monitor.learn()
+        response.success, response.message = True, 'learning anew what is normal'
+        return response
+
+    def _acknowledge(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._monitor.acknowledge()
+        response.success, response.message = True, 'all levels are back to OK'
+        return response
 
     def close(self) -> None:
         """Publish the last diagnostics and finish the log."""
@@ -93,6 +108,8 @@ class Analyzer:
         }
 
     def _subscribe(self) -> None:
+        self._node.create_service(Trigger, '~/learn', self._learn)
+        self._node.create_service(Trigger, '~/acknowledge', self._acknowledge)
         handlers = {
             CONFIGURATION: self._on_configuration,
             SAMPLES: self._on_block,
@@ -193,6 +210,13 @@ class Analyzer:
                 publisher = self._indicators.get(f'{row.subject}/{name}')
                 if publisher is not None:
                     publisher.publish(Float64(data=value))
+        for change in self._monitor.take_changes():
+            logger = self._node.get_logger()
+            # Each call stands on a line of its own: rclpy binds a severity to the place of a call.
+            if change.after > change.before:
+                logger.warning(str(change))
+            else:
+                logger.info(str(change))
 
 
 def _namespace(status: str) -> str:

@@ -25,6 +25,7 @@ class AnalyzerHealth:
     def __init__(self, health: Health) -> None:
         self._health = health
         self._seen = (0, 0)
+        self._failures = 0
         self._last_block = -float('inf')
         self._slowest = 0.0
         self._busy = 0.0
@@ -38,6 +39,31 @@ class AnalyzerHealth:
         taken = self._last_block - begin
         self._slowest = max(self._slowest, taken)
         self._busy += taken
+
+    def condition(self) -> Report:
+        """Return what of the stream was judged, what is learned, and which results are missing."""
+        health = self._health
+        values = {
+            'steady [1]': health.steady_share,
+            'judged': health.judged,
+            **{f'not judged: {reason}': count for reason, count in health.not_judged.items()},
+            **{f'failed: {task}': count for task, count in health.failed.items()},
+            **{f'starving: {task}': reason for task, reason in health.starving.items()},
+            **{
+                f'baseline of {bin_}': 'learned' if learned else 'being learned'
+                for bin_, learned in health.bins.items()
+            },
+        }
+        failures = health.failed.total()
+        new_failures, self._failures = failures - self._failures, failures
+        if new_failures:
+            return Report(Level.WARN, f'a result is left out: {health.last_failure}', values)
+        if health.baseline:
+            return Report(Level.WARN, f'baseline: {health.baseline}', values)
+        if health.starving:
+            missing = ', '.join(f'{task} ({why})' for task, why in health.starving.items())
+            return Report(Level.WARN, f'no results of {missing}', values)
+        return Report(Level.OK, 'judging steady operation', values)
 
     def stream(self) -> Report:
         """Return the state of the stream."""
