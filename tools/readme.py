@@ -6,6 +6,7 @@ Usage: python tools/readme.py
 from pathlib import Path
 
 from gear_dynamics.__main__ import EXECUTABLES
+from gear_dynamics.monitoring.catalogue import markdown as indicator_table
 from gear_dynamics.parameters.files import NODES
 from gear_dynamics.parameters.parameter import Parameter, Value
 from gear_dynamics.wire.topics import (
@@ -19,7 +20,7 @@ from gear_dynamics.wire.topics import (
 )
 
 ROOT = Path(__file__).resolve().parents[1]
-FILES = (ROOT / 'README.md', ROOT / 'docs' / 'interfaces.md')
+FILES = (ROOT / 'README.md', ROOT / 'docs' / 'interfaces.md', ROOT / 'docs' / 'analysis.md')
 HEAD = ['| name | default | range | unit | live | what it is |', '|---|---|---|---|---|---|']
 
 
@@ -85,6 +86,7 @@ PARTS = {
     'columns of spectrum': lambda: columns(SPECTRUM),
     'columns of order_spectrum': lambda: columns(ORDER_SPECTRUM),
     'columns of poincare': lambda: columns(POINCARE),
+    'indicators': indicator_table,
 }
 """What can stand between the marks of a file, by name."""
 

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from gear_dynamics.dynamics.noise import noisy_period
+
 if TYPE_CHECKING:
     from gear_dynamics.dynamics.lyapunov import Lyapunov
 
@@ -15,6 +17,10 @@ PERIOD, CHAOS, TORUS, UNDECIDED = 'period-', 'chaotic', 'quasi-periodic', 'undec
 
 LONGEST_PERIOD = 16
 """Longest period that is told from quasi-periodic motion on line, in mesh cycles."""
+
+LONGEST_NOISY = 64
+"""Longest period looked for in a section without a known exponent, in mesh cycles; a quarter of the
+states if that is less."""
 
 LONGEST_STUDIED = 32
 """Longest period that studies look for, in mesh cycles."""
@@ -105,9 +111,10 @@ def regime(
 ) -> Regime:
     """Return the regime of a motion from its section and, if it is known, its largest exponent.
 
-    Without an exponent: periodic if all states recur within `tolerance`; settling if only those of
-    the second half do; else the 0-1 test tells quasi-periodic from chaotic motion, and the largest
-    exponent is estimated from the first coordinate.
+    Without an exponent: periodic if all states recur within `tolerance`, or within noise whose
+    level is estimated from the states (`noisy_period`); settling if only those of the second half
+    do; else the largest exponent, estimated from the first coordinate, and the 0-1 test tell
+    quasi-periodic from chaotic motion.
 
     With an exponent: periodic if the last states recur and the exponent is not positive; chaotic if
     it is, and the 0-1 test does not contradict it; quasi-periodic if the 0-1 test says so and the
@@ -134,15 +141,26 @@ def _from_section(states: np.ndarray, cycle_rate: float, tolerance: float) -> Re
     from gear_dynamics.dynamics.lyapunov import lyapunov_exponent
     from gear_dynamics.dynamics.zero_one import zero_one_test
 
+    longest = min(LONGEST_NOISY, len(states) // 4)
+    noisy, _ = noisy_period(states, longest, tolerance)
     for prefix, part in (('', states), ('settling to ', states[len(states) // 2 :])):
-        period, distance = recurrence_period(part, tolerance)
-        if period:
+        period, distance = recurrence_period(part, tolerance, min(longest, len(part) // 2))
+        # Under noise, and where states are interpolated, some multiple of the period recurs by
+        # chance; the shorter one is that of the motion.
+        explained = 0 < noisy < period or (prefix and noisy == period)
+        if period and not explained:
             return Regime(f'{prefix}{PERIOD}{period}', period, distance, math.nan, None)
+    if noisy:
+        distance = float(np.max(np.abs(states[noisy:] - states[:-noisy])))
+        return Regime(f'{PERIOD}{noisy}', noisy, distance, math.nan, None)
     if len(states) < ENOUGH:
         return Regime(UNDECIDED, 0, math.nan, math.nan, None)
     k = zero_one_test(states[:, 0])
-    words = CHAOS if k > CHAOTIC else TORUS if k < REGULAR else UNDECIDED
-    return Regime(words, 0, math.nan, k, lyapunov_exponent(states[:, 0], cycle_rate, lag=1))
+    found = lyapunov_exponent(states[:, 0], cycle_rate, lag=1)
+    # Just beyond a cascade of period doublings the bands are so narrow that K is small.
+    grows = found.exponent > AGREE * found.uncertainty
+    words = CHAOS if k > CHAOTIC or grows else TORUS if k < REGULAR else UNDECIDED
+    return Regime(words, 0, math.nan, k, found)
 
 
 def _from_exponent(

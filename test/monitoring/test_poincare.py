@@ -28,7 +28,7 @@ def test_interpolated_section_meets_its_stated_accuracy():
     step = W / RATE
     np.testing.assert_allclose(section['delta'], np.sin(W * exact), atol=step**4 / 384)
     np.testing.assert_allclose(
-        section['delta_dot'], W * np.cos(W * exact), atol=W * np.sqrt(3) * step**3 / 216
+        section['delta_dot'], W * np.cos(W * exact), atol=W * 3 * step**4 / 128
     )
 
 
