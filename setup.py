@@ -11,7 +11,7 @@ SHARE = f'share/{NAME}'
 ROOT = Path(__file__).resolve().parent
 MANIFEST = ElementTree.parse(ROOT / 'package.xml')
 DATA = ['pandas', 'pyarrow', 'h5py', 'npTDMS', 'pyuff']
-LIVE = ['aiohttp']
+LIVE = ['aiohttp', 'foxglove-sdk']
 ROS = ['ros-jazzy-rclpy[fastrtps]', 'ros-jazzy-common-interfaces']
 
 
@@ -71,6 +71,7 @@ setup(
             'pytest-timeout',
             'pytest-xdist',
             'ruff',
+            'selenium',
             'scikit-fem',
             'types-PyYAML',
             'types-tqdm',

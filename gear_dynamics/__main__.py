@@ -22,12 +22,19 @@ EXECUTABLES = {
     'rig': ('gear_dynamics.nodes.rig', 'run sim, analyzer and page with one command (ROS 2)'),
     'log': ('gear_dynamics.bag.command', 'inspect, recover, export and plot logs'),
     'analyse': ('gear_dynamics.recordings.command', 'analyse recordings of a real machine'),
+    'dashboard': ('gear_dynamics.web.command', 'show a gear pair live in the browser'),
+    'foxglove': ('gear_dynamics.nodes.foxglove', 'show the topics in the Foxglove app (ROS 2)'),
     'study': ('gear_dynamics.study.command', 'run experiments off line, with data and figures'),
 }
 """Name of each executable, the module with its `main(argv) -> int`, and what it does."""
 
 ROS_MODULE = re.compile(r'rclpy|std_srvs|\w+_msgs|\w+_interfaces')
 """The modules of ROS 2 that the nodes import."""
+
+LIVE_MODULE = re.compile(r'aiohttp|foxglove')
+"""The modules that the live views need beside ROS."""
+
+MISSING_LIVE = 'gear-dynamics {name} needs {module}: pip install "gear_dynamics[live]"'
 
 MISSING_ROS = (
     'gear-dynamics {name} needs ROS 2 (rclpy): install it with pip install "gear_dynamics[ros]", '
@@ -47,12 +54,20 @@ def main(argv: list[str] | None = None) -> int:
         exit_at_signal()  # until the node takes signals itself
     try:
         executable = importlib.import_module(module)
+        return executable.main(arguments[1:])
     except ModuleNotFoundError as error:
-        if not ROS_MODULE.fullmatch(str(error.name).partition('.')[0]):
-            raise
-        print(MISSING_ROS.format(name=name), file=sys.stderr)
+        print(_missing(name, error), file=sys.stderr)
         return 2
-    return executable.main(arguments[1:])
+
+
+def _missing(name: str, error: ModuleNotFoundError) -> str:
+    """Return the line that says what to install; raise the error if it is a fault of ours."""
+    module = str(error.name).partition('.')[0]
+    if LIVE_MODULE.fullmatch(module):
+        return MISSING_LIVE.format(name=name, module=module)
+    if ROS_MODULE.fullmatch(module):
+        return MISSING_ROS.format(name=name)
+    raise error
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -16,13 +16,21 @@ from gear_dynamics.parameters.parameter import (
     ParameterSet,
     refuse_unknown_name,
 )
-from gear_dynamics.parameters.settings import AnalyzerSettings, ReplaySettings, SimSettings
+from gear_dynamics.parameters.settings import (
+    AnalyzerSettings,
+    DashboardSettings,
+    FoxgloveSettings,
+    ReplaySettings,
+    SimSettings,
+)
 from gear_dynamics.parameters.yaml_text import YamlError, read_yaml
 
 NODES: dict[str, tuple[type[ParameterSet], ...]] = {
     'gear_sim': (GearPairParameters, SimSettings),
     'gear_analyzer': (AnalyzerSettings,),
     'gear_replay': (ReplaySettings,),
+    'gear_dashboard': (DashboardSettings,),
+    'gear_foxglove': (FoxgloveSettings,),
 }
 """The nodes of this package and the parameter lists that each takes."""
 

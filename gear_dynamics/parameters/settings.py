@@ -249,3 +249,17 @@ class DashboardSettings(ParameterSet):
 
     address: str = parameter('127.0.0.1', 'address to listen on; 0.0.0.0 lets other machines in')
     port: int = parameter(8765, 'port to listen on; 0 takes a free one', minimum=0, maximum=65535)
+
+
+@dataclasses.dataclass(frozen=True)
+class FoxgloveSettings(ParameterSet):
+    """What the `foxglove` node takes.
+
+    Raises
+    ------
+    ParameterError
+        If a value is out of its range.
+    """
+
+    address: str = parameter('127.0.0.1', 'address to listen on; 0.0.0.0 lets other machines in')
+    port: int = parameter(8766, 'port to listen on; 0 takes a free one', minimum=0, maximum=65535)

@@ -39,7 +39,6 @@ class Frames:
         if now >= self._state_due:
             self._state_due = now + STATE_PERIOD
             yield json_text({'type': 'state', 'rigs': rigs, **rig.state()})
-        yield self._scope(rig, view)
         for name in TABLES:
             table = rig.table(name)
             if table is not None and self._tables.get(name) != table.number:
@@ -51,6 +50,7 @@ class Frames:
             self._points = total
             header = {'type': 'points', 'total': total, 'cleared': cleared}
             yield binary_frame(header, {'x': points[:, 0], 'y': points[:, 1]})
+        yield self._scope(rig, view)  # the last: the page asks for more when it is drawn
 
     def _scope(self, rig: LiveRig, view: View) -> bytes:
         rate, window = rig.window(view.channels, view.window, view.trigger)

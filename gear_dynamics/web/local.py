@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import collections
 import dataclasses
 import queue
 import threading
@@ -84,6 +85,7 @@ class LocalMachine:
 
     def _restart(self) -> None:
         self._origin_ns = time.time_ns()
+        self._pace: collections.deque[tuple[float, float]] = collections.deque(maxlen=200)
         self._due = time.monotonic()
 
     def _configure(self) -> None:
@@ -121,7 +123,11 @@ class LocalMachine:
             self._stop.wait(max(-late, 0.0))
 
     def _say(self, behind: float) -> None:
-        values = {'real_time_factor': 1.0, 'behind': behind}
+        now = time.monotonic()
+        self._pace.append((now, self._simulator.samples_done / self._settings.sample_rate))
+        (first, begin), (_, end) = self._pace[0], self._pace[-1]
+        factor = (end - begin) / (now - first) if now > first and end > begin else 1.0
+        values = {'real_time_factor': factor, 'behind': behind}
         message = 'paused' if self._paused else 'running'
         self._rig.set_health('simulator', 0, message, values)
 

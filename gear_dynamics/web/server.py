@@ -130,7 +130,7 @@ class PageServer:
             return web.Response(status=403, text='reload the page: its token is not valid\n')
         if len(self._pages) >= MOST_PAGES:
             return web.Response(status=503, text=f'{MOST_PAGES} pages are open already\n')
-        socket = web.WebSocketResponse(max_msg_size=LARGEST, heartbeat=STALLED)
+        socket = web.WebSocketResponse(max_msg_size=LARGEST, heartbeat=3 * STALLED, compress=False)
         await socket.prepare(request)
         self._pages.add(socket)
         page = _Page(self._hub, socket)
@@ -153,6 +153,7 @@ class _Page:
     hub: Hub
     socket: web.WebSocketResponse
     view: View = dataclasses.field(default_factory=View)
+    ready: asyncio.Event = dataclasses.field(default_factory=asyncio.Event)
 
     async def receive(self) -> None:
         """Take messages until the page goes."""
@@ -166,11 +167,14 @@ class _Page:
 
     def _take(self, text: str) -> None:
         content = read_message(text)
+        if content.get('type') == 'ready':
+            self.ready.set()
+            return
         if content.get('type') == 'view':
             self.view = View.from_message(content)
             return
         if content.get('type') != 'command':
-            raise MessageRefusedError('type must be view or command')
+            raise MessageRefusedError('type must be view, ready or command')
         rig = self.hub.rig(self.view.rig)
         if rig is None:
             raise MessageRefusedError(self.hub.waiting_for)
@@ -179,11 +183,16 @@ class _Page:
             raise MessageRefusedError(refusal)
 
     async def send_frames(self) -> None:
-        """Send frames for as long as the page is open; a slow page gets fewer."""
+        """Send frames for as long as the page is open, each when the last one is drawn.
+
+        A slow page gets fewer frames, and none of them late; a page that nobody sees gets none.
+        """
         frames = Frames()
+        self.ready.set()
         await self.socket.send_str(json_text({'type': 'hello', **self._hello()}))
         with contextlib.suppress(ConnectionError, asyncio.TimeoutError):
             while not self.socket.closed:
+                await self.ready.wait()
                 await asyncio.wait_for(self._send(frames), STALLED)
                 await asyncio.sleep(FRAME_PERIOD)
         with contextlib.suppress(Exception):
@@ -199,6 +208,7 @@ class _Page:
             await self.socket.send_str(json_text({'type': 'waiting', 'text': self.hub.waiting_for}))
             await asyncio.sleep(0.5)
             return
+        self.ready.clear()
         for message in frames.next(rig, self.hub.names, self.view):
             if isinstance(message, str):
                 await self.socket.send_str(message)

@@ -1,4 +1,5 @@
 import asyncio
+import contextlib
 import json
 import random
 
@@ -142,6 +143,7 @@ def test_a_peak_of_one_sample_is_in_the_frame():
         view = {'rig': '', 'channels': ['a'], 'window': 1.0, 'trigger': 'none', 'pixels': 100}
         await socket.send_json({'type': 'view', **view})
         for _ in range(200):
+            await socket.send_json({'type': 'ready'})
             message = await socket.receive(timeout=10)
             if message.type is not aiohttp.WSMsgType.BINARY:
                 continue
@@ -205,6 +207,20 @@ def test_a_long_request_line_is_refused():
             assert answer.status == 200
 
     served(check)
+
+
+def test_a_page_that_draws_nothing_is_sent_one_frame_alone():
+    async def check(session, server, recorder):
+        socket = await opened(session, server)
+        kinds = []
+        with contextlib.suppress(asyncio.TimeoutError):
+            while len(kinds) < 20:
+                kinds.append((await socket.receive(timeout=1.0)).type)
+        assert kinds.count(aiohttp.WSMsgType.BINARY) == 1
+        await socket.send_json({'type': 'ready'})
+        assert (await socket.receive(timeout=10)).data
+
+    served(check, vibrating_rig())
 
 
 def test_two_pages_see_the_same_rig_and_too_many_are_refused():

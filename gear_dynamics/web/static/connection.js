@@ -21,6 +21,7 @@ export class Connection {
     this.take = take;
     this.lost = lost;
     this.view = null;
+    this.waiting = []; // commands that were given while the server was gone
     this.open();
   }
 
@@ -28,7 +29,10 @@ export class Connection {
     const token = document.querySelector('meta[name=token]').content;
     const socket = new WebSocket(`ws://${location.host}/socket?token=${token}`);
     socket.binaryType = 'arraybuffer';
-    socket.onopen = () => this.view && this.show(this.view);
+    socket.onopen = () => {
+      if (this.view) this.show(this.view);
+      for (const command of this.waiting.splice(0)) this.send(command);
+    };
     socket.onmessage = ({data}) =>
       this.take(typeof data === 'string' ? JSON.parse(data) : readFrame(data));
     socket.onclose = () => {
@@ -51,8 +55,12 @@ export class Connection {
     }
   }
 
+  get isOpen() {
+    return this.socket.readyState === WebSocket.OPEN;
+  }
+
   send(message) {
-    if (this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
+    if (this.isOpen) this.socket.send(JSON.stringify(message));
   }
 
   show(view) {
@@ -61,6 +69,8 @@ export class Connection {
   }
 
   command(command) {
-    this.send({type: 'command', ...command});
+    const message = {type: 'command', ...command};
+    if (this.isOpen) this.send(message);
+    else this.waiting.push(message);
   }
 }

@@ -47,6 +47,8 @@ const takers = {
   scope(message) {
     scope.draw(message);
     wheels.take(message);
+    // The next frame is sent when this one is on the screen.
+    requestAnimationFrame(() => connection.send({type: 'ready'}));
   },
   table(message) {
     for (const panel of [spectrum, orders, waterfall]) panel.take(message);
