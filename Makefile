@@ -1,4 +1,5 @@
 # make demo: set up, stream, analyse, log, and draw a picture
+# make live: set up, stream, analyse, and show it all on a page in the browser
 # make quick: set up, check, and test what needs no ROS and no long run, in a minute
 # make test: set up, check and test everything
 # make fuzz, make mutants, make soak: long runs; see CONTRIBUTING.md
@@ -14,11 +15,14 @@ unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 # Many tests wait for a stream: two at a time fill two cores.
 PYTEST := -m pytest --numprocesses 2 --dist worksteal
 
-.PHONY: demo quick test test-oldest fuzz mutants soak readme
+.PHONY: demo live quick test test-oldest fuzz mutants soak readme
 .DEFAULT_GOAL := demo
 
 demo: $(VENV)/ros
 	@$(VENV)/bin/python -m demo
+
+live: $(VENV)/live
+	@$(VENV)/bin/python -m gear_dynamics rig --dashboard --no-log
 
 # The rooms that compile little; ROS, chaos and long runs are left to `make test`.
 QUICK := test/parameters test/machine test/wire test/bag test/signal test/monitoring test/recordings \
@@ -63,9 +67,13 @@ $(VENV)/ros: setup.py package.xml
 	@$(PYTHON) tools/environment.py $(VENV) -e '.[ros]'
 	@touch $@
 
+$(VENV)/live: setup.py package.xml
+	@$(PYTHON) tools/environment.py $(VENV) -e '.[ros,live]'
+	@touch $(VENV)/ros $@
+
 $(VENV)/test: setup.py package.xml
 	@$(PYTHON) tools/environment.py $(VENV) -e '.[ros,test]'
-	@touch $(VENV)/ros $@
+	@touch $(VENV)/ros $(VENV)/live $@
 
 $(OLDEST)/test: setup.py package.xml
 	@$(PYTHON) tools/environment.py $(OLDEST) -e . 'numpy==1.26.*' 'scipy==1.11.*' \
