@@ -79,6 +79,11 @@ class Signals:
                     raise RecordingError(f'{found.origin} is a single number')
                 self.channels[channel.name] = found
                 self._check_unit(channel.recorded_unit, found)
+                if found.parts[0][0].relative and channel.full_scale is None:
+                    self.notes.append(
+                        f'{found.origin} holds shares of full scale, and the machine file gives no '
+                        f'full_scale: 1.0 {channel.recorded_unit} is assumed'
+                    )
             except RecordingError as error:
                 self.failures[f'channel {channel.name}'] = str(error)
         for shaft in machine.shafts:

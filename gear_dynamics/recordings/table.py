@@ -36,6 +36,8 @@ class Table(abc.ABC):
         Single numbers that stand in the file, by name.
     notes : dict of str to str
         What a reader of the results must know, by column; under '' of the whole file.
+    relative : bool
+        Whether the values are shares of full scale.
     """
 
     def __init__(self, name: str) -> None:
@@ -43,6 +45,7 @@ class Table(abc.ABC):
         self.columns: Sequence[str] = ()
         self.constants: dict[str, float] = {}
         self.notes: dict[str, str] = {}
+        self.relative = False
 
     @abc.abstractmethod
     def open(self, columns: Sequence[str]) -> dict[str, Iterator[np.ndarray]]:

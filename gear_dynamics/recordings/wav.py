@@ -25,6 +25,7 @@ class WavTable(RowTable):
         self.columns = tuple(str(number) for number in range(1, channels + 1))
         self._rate = float(rate)
         self._kind = kind
+        self.relative = kind == _PCM
         self._frame = channels * self._width
         if self._frame == 0 or (kind, self._width) not in _READERS:
             raise RecordingError(

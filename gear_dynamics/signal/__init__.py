@@ -43,7 +43,7 @@ _EXPORTS = {
         *('Parts', 'below_order', 'hunting_revolutions', 'other_wheel_leakage', 'separate'),
         'synchronous_average',
     ),
-    'tacho': ('repair_pulses', 'rising_edges', 'trigger_level'),
+    'tacho': ('even_pulses', 'repair_pulses', 'rising_edges', 'trigger_level'),
     'teeth': ('ToothEnergy', 'tooth_energy'),
 }
 _HOMES = {name: module for module, names in _EXPORTS.items() for name in names}

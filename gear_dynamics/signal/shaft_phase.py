@@ -7,8 +7,14 @@ import dataclasses
 import numpy as np
 from scipy import interpolate
 
+from gear_dynamics.signal.tacho import even_pulses
+
 MOST_POINTS = 64
 """Points in a revolution that an angle is kept at; more is the noise of its steps."""
+
+
+MOST_MARKS = 128
+"""Marks of a wheel whose places are worth learning."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -64,8 +70,14 @@ class ShaftPhase:
 
 
 def phase_from_pulses(instants: np.ndarray, numbers: np.ndarray, pulses: float) -> ShaftPhase:
-    """Return the angle from the instants [s] of numbered pulses, `pulses` a revolution."""
-    return ShaftPhase(np.asarray(instants, dtype=float), numbers / pulses)
+    """Return the angle from the instants [s] of numbered pulses, `pulses` a revolution.
+
+    Marks that are not evenly spaced are calibrated out where there are a few of them.
+    """
+    instants, numbers = np.asarray(instants, dtype=float), np.asarray(numbers)
+    if pulses == int(pulses) and 2 <= pulses <= MOST_MARKS:
+        return ShaftPhase(instants, even_pulses(instants, numbers, int(pulses)))
+    return ShaftPhase(instants, numbers / pulses)
 
 
 def phase_from_angle(

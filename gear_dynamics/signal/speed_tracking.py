@@ -19,6 +19,14 @@ GAIN = 1.7
 one in noise that is perfectly steady gains 3 dB."""
 
 
+PHASE_NOISE = 0.15
+"""Standard deviation of the phase of a line [rad] by noise, to which the low-pass is narrowed."""
+
+
+ANGLE_NOISE = 0.002
+"""Likewise of the angle [revolutions]: orders of a hundred are of use then."""
+
+
 class TrackedLine(NamedTuple):
     """An angle that was tracked.
 
@@ -190,21 +198,30 @@ def _refine(
     x: np.ndarray, rate: float, coarse: np.ndarray, order: float, width: float
 ) -> tuple[np.ndarray, float]:
     """Return the angle by the phase of one line, and the uncertainty of its mean speed."""
+    duration = len(x) / rate
     # Mirrored at both ends, so that the low-pass sees no jump from the end to the beginning.
     reach = min(int(2 * rate / width), len(x) - 1)
     mixed = np.pad(x * np.exp(-2j * np.pi * order * coarse), reach, mode='reflect')
     lines = fft.fft(mixed)
     frequency = np.abs(fft.fftfreq(len(mixed), 1 / rate))
-    slow = fft.ifft(lines * np.exp(-((frequency / width) ** 8)))[reach : reach + len(x)]
-    left = np.unwrap(np.angle(slow)) / (2 * np.pi * order)
     beside = (frequency > width * 1.2) & (frequency < width * 2.4)
-    if np.any(beside):
-        noise = np.sqrt(np.mean(np.abs(lines[beside]) ** 2)) / len(mixed)
-        # Two independent values of the phase in 1 / width seconds.
-        sigma = noise * np.sqrt(2 * width * len(mixed) / rate) / np.mean(np.abs(slow)) / np.sqrt(2)
-        independent = max(2 * width * len(x) / rate, 2)
-        duration = len(x) / rate
-        speed = sigma / (2 * np.pi * order) * np.sqrt(12 / independent) / duration
-    else:
-        speed = float('nan')
+    if not np.any(beside):
+        beside = frequency > width
+    # Power of the noise in 1 Hz, and of the line without it.
+    density = float(np.mean(np.abs(lines[beside]) ** 2)) / len(mixed) / rate
+    power = float(np.sum(np.abs(lines[frequency <= width]) ** 2)) / len(mixed) ** 2
+    power = max(power - 2 * width * density, density / duration)
+    # In noise only a narrower band leaves a phase that tells of the line.
+    allowed = min(PHASE_NOISE, 2 * np.pi * order * ANGLE_NOISE)
+    width = min(width, allowed**2 * power / density)
+    least = 1.5 / duration
+    slow = fft.ifft(lines * np.exp(-((frequency / max(width, least)) ** 8)))
+    left = np.unwrap(np.angle(slow[reach : reach + len(x)])) / (2 * np.pi * order)
+    if width < least:
+        # Not even so: the speed is taken as constant over what there is.
+        width = least
+        left = np.polyval(np.polyfit(np.arange(len(x)), left, 1), np.arange(len(x)))
+    sigma = np.sqrt(density * width / power)
+    independent = max(2 * width * duration, 2)
+    speed = sigma / (2 * np.pi * order) * np.sqrt(12 / independent) / duration
     return coarse + left, float(speed)

@@ -76,9 +76,11 @@ def repair_pulses(instants: np.ndarray) -> Pulses:
         Rising.
     """
     instants = np.asarray(instants, dtype=float)
-    kept = [0] if len(instants) else []
-    spurious = 0
     expected = _expected_intervals(instants)
+    if np.all(np.abs(np.diff(instants) - expected[1:]) <= TOLERANCE * expected[1:]):
+        return Pulses(instants, np.arange(len(instants)), 0, 0)
+    kept = [0]
+    spurious = 0
     for index in range(1, len(instants)):
         interval = instants[index] - instants[kept[-1]]
         if interval < (1 - TOLERANCE) * expected[index]:
@@ -111,3 +113,38 @@ def _expected_intervals(instants: np.ndarray, around: int = 7) -> np.ndarray:
     half = around // 2
     padded = np.pad(intervals, half, mode='reflect' if len(intervals) > half else 'edge')
     return np.median(np.lib.stride_tricks.sliding_window_view(padded, around), axis=1)
+
+
+FEWEST_REVOLUTIONS = 8
+"""Revolutions by which the places of a wheel's pulses are learned."""
+
+
+def even_pulses(instants: np.ndarray, numbers: np.ndarray, pulses: int) -> np.ndarray:
+    """Return the revolutions at pulses of a wheel whose marks are not evenly spaced.
+
+    The mean place of each mark follows from where it falls between two passages of the first one
+    (order tracking by a calibrated zebra tape: Resor, Trethewey and Maynard 2005).
+
+    Parameters
+    ----------
+    instants : ndarray, shape (n,)
+        Rising.
+    numbers : ndarray of int, shape (n,)
+        Which pulse each is.
+    pulses : int
+        Marks on the wheel.
+    """
+    mark, turn = numbers % pulses, numbers // pulses
+    first = mark == 0
+    if pulses < 2 or np.count_nonzero(first) < FEWEST_REVOLUTIONS:
+        return numbers / pulses
+    base = np.interp(instants, instants[first], turn[first].astype(float))
+    inside = (instants >= instants[first][0]) & (instants <= instants[first][-1])
+    offsets = base - turn
+    places = np.arange(pulses) / pulses
+    for each in range(1, pulses):
+        seen = inside & (mark == each)
+        if np.any(seen):
+            places[each] = np.mean(offsets[seen])
+    revolutions = turn + places[mark]
+    return revolutions if np.all(np.diff(revolutions) > 0) else numbers / pulses

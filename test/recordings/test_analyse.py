@@ -249,3 +249,58 @@ def test_machines_and_recordings_of_a_wrong_kind_are_refused():
         gd.analyse([], GEARBOX)
     with pytest.raises(ValueError, match='cannot be read'):
         gd.analyse({}, 'nowhere.yaml')
+
+
+def test_constants_that_contradict_the_machine_file_are_said():
+    # FTF of 14.8375 Hz is 1 - FTF of this bearing at 25 Hz; the others fit.
+    constants = {'bearing.BPFO': 81.125, 'BPFI': 118.875, 'BSF': 63.91, 'FTF': 14.8375, 'rpm': 1600}
+    machine = {
+        'sample_rate': RATE,
+        'channels': {'a': {'column': 'a', 'unit': 'g'}},
+        'shafts': {'shaft': {'speed_rpm': 1500}},
+        'bearings': {
+            'b': {
+                'shaft': 'shaft', 'elements': 8, 'element_diameter': 0.235, 'pitch_diameter': 1.245
+            }
+        },
+    }  # fmt: skip
+    noise = np.random.default_rng(1).normal(size=int(RATE))
+    notes = gd.analyse({'a': noise, **constants}, machine).attrs['notes']
+    assert len(notes) == 2
+    assert 'FTF' in notes[0]
+    assert '10.14 Hz' in notes[0]
+    assert 'rpm of the recording is 1600' in notes[1]
+
+
+def test_lines_that_nothing_explains_are_listed():
+    from gear_dynamics.monitoring.spans.unexplained import unexplained_lines
+    from gear_dynamics.recordings.analyse import analyse_recordings, as_machine
+
+    values = gearbox(4.0, drift=0.0)
+    values['x'] += np.sin(2 * np.pi * 1234.5 * np.arange(len(values['x'])) / RATE)
+    analysis = analyse_recordings(values, as_machine({**GEARBOX, 'span': 'record'}))
+    lines = unexplained_lines(analysis.summary, 'housing')
+    assert [line.frequency for line in lines] == pytest.approx([1234.5], abs=0.3)
+    assert lines[0].amplitude == pytest.approx(1, rel=0.2)
+
+
+def test_a_wav_without_full_scale_says_so(tmp_path):
+    forms.write_wav(tmp_path / 'a.wav', 2)
+    machine = {'channels': {'a': {'column': 1, 'unit': 'm/s2'}}}
+    assert 'full scale' in gd.analyse(tmp_path / 'a.wav', machine).attrs['notes'][0]
+    machine['channels']['a']['full_scale'] = 100.0
+    table = gd.analyse(tmp_path / 'a.wav', machine)
+    assert table.attrs['notes'] == []
+    assert table['a/peak'][0] > 90
+
+
+def test_a_run_of_the_simulator_is_a_recording():
+    run = gd.simulate(gd.GearPair(), duration=0.7, sample_rate=25600.0)
+    machine = {
+        'sample_rate': 25600.0,
+        'channels': {'force': {'column': 'mesh_force', 'unit': 'N'}},
+        'shafts': {'pinion': {'angle': {'column': 'pinion_angle', 'unit': 'rad'}}},
+    }
+    table = gd.analyse(run, machine)
+    assert table['pinion/speed'][0] == pytest.approx(104.72, rel=1e-3)
+    np.testing.assert_allclose(table['force/mean'][0], run['mesh_force'].mean(), rtol=1e-3)

@@ -67,3 +67,11 @@ def test_a_shaft_that_stands_or_turns_back_is_refused(angle):
         phase_from_angle(angle, RATE, 1.0)
     with pytest.raises(ValueError, match='stops or turns back'):
         phase_from_speed(angle, RATE)
+
+
+def test_marks_that_are_not_even_are_calibrated_out():
+    t, revolutions = turning()
+    places = np.array([0.0, 0.18, 0.33, 0.52, 0.7, 0.83])  # instead of sixths
+    marks = (np.arange(33)[:, np.newaxis] + places).ravel()
+    instants = np.interp(marks, revolutions, t)
+    assert error_of(phase_from_pulses(instants, np.arange(len(marks)), 6)) < 5e-4
