@@ -71,6 +71,7 @@ setup(
             'pytest-timeout',
             'pytest-xdist',
             'ruff',
+            'scikit-learn',
             'selenium',
             'scikit-fem',
             'types-PyYAML',
