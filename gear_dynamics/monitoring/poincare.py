@@ -45,11 +45,11 @@ def section_by_phase(
     The instant is linear in the phase. delta is the cubic Hermite interpolant through delta and
     delta_dot of both samples, in error by at most h^4 / 384 max|d4 delta / dt4| for step h
     (Birkhoff and Priver 1967). delta_dot is the cubic through its own four nearest samples, in
-    error by at most 3 h^4 / 128 max|d5 delta / dt5|; the derivative of the Hermite interpolant would be as
-    accurate, but would magnify noise of delta by 1 / h. Of an oscillation with w h = 0.3 these are
-    2e-5 and 2e-4 of the amplitude. That holds between changes of contact: a step with an impact or
-    with a change of the number of tooth pairs has no such bound, and there the error is of second
-    order in h for delta.
+    error by at most 3 h^4 / 128 max|d5 delta / dt5|; the derivative of the Hermite interpolant
+    would be as accurate, but would magnify noise of delta by 1 / h. Of an oscillation with w h
+    = 0.3 these are 2e-5 and 2e-4 of the amplitude. That holds between changes of contact: a
+    step with an impact or with a change of the number of tooth pairs has no such bound, and
+    there the error is of second order in h for delta.
 
     Parameters
     ----------
