@@ -26,7 +26,7 @@ live: $(VENV)/live
 
 # The rooms that compile little; ROS, chaos and long runs are left to `make test`.
 QUICK := test/parameters test/machine test/wire test/bag test/signal test/monitoring test/recordings \
-  test/model test/simulation test/package/test_arrows.py test/package/test_doctests.py
+  test/model test/integrator test/simulation test/package/test_arrows.py test/package/test_doctests.py
 
 quick: $(VENV)/test
 	@$(VENV)/bin/ruff check --quiet

@@ -172,13 +172,7 @@ def solvers(duration: float) -> None:
 def _start_state(pair: GearPair) -> np.ndarray:
     """Return the run's start in th1, th2 coordinates, read off the model's own start."""
     simulator = Simulator(pair, anti_alias=False, speed=SPEED, load_torque=LOAD)
-    motion = simulator._motion.records[0]
-    state, p = motion['state'], motion['constants']
-    th = np.array([[p['th1_psi'], 1.0], [-p['th2_psi'], p['ratio']]])
-    start = np.zeros(13)
-    start[:4], start[6:10] = state[:4], state[6:10]
-    start[4:6], start[10:12] = th @ state[4:6], th @ state[10:12]
-    return start
+    return simulator.state().coordinates()
 
 
 def conditions() -> None:

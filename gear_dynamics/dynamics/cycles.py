@@ -10,7 +10,7 @@ import numba
 import numpy as np
 
 from gear_dynamics.integrator import stepper
-from gear_dynamics.integrator.contact import contact_state
+from gear_dynamics.integrator.contact_events import CONTACT
 from gear_dynamics.integrator.kernel import borrowed, kernel
 from gear_dynamics.integrator.layout import (
     DELTA,
@@ -21,18 +21,21 @@ from gear_dynamics.integrator.layout import (
     SEG_MOMENT,
     STATES,
 )
+from gear_dynamics.integrator.motion import place_all_contacts
 from gear_dynamics.integrator.output import write_due_samples
+from gear_dynamics.integrator.phase import time_of_phase
 from gear_dynamics.integrator.polynomials import columns_at
 from gear_dynamics.integrator.segment import fill_segment
 from gear_dynamics.integrator.variation import (
     VARIED,
-    advance_variations,
-    divergence_over_step,
+    advance_vectors,
+    damping_at_end,
     jump_at_contact,
     orthonormalise,
 )
 from gear_dynamics.machine.columns import SAMPLE_COLUMNS, SAMPLES
 from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.ports import Ports
 from gear_dynamics.parameters.run_settings import RunSettings
 from gear_dynamics.simulation.batch import gather, refuse_failure, spread
 
@@ -96,9 +99,9 @@ class Cycles(NamedTuple):
 @kernel
 def _write_section(motion, section):
     """Write the state at the section phase, or at the end of the step if that is before it."""
-    p, clock, point = motion.constants, motion.clock, motion.point
-    tau = stepper.time_of_phase(p, clock, clock.section_phase) - clock.begin
-    columns_at(motion.series, min(max(tau, 0.0), clock.length), point)
+    step, point = motion.step, motion.point
+    tau = time_of_phase(motion, motion.sampling.section_phase) - step.begin
+    columns_at(motion.series, min(max(tau, 0.0), step.length), point)
     section[SECTION_DELTA], section[SECTION_DELTA_DOT] = point[0, DELTA], point[1, DELTA]
     for j in range(6):
         section[SECTION_STATE + j] = point[0, j]
@@ -119,61 +122,54 @@ def _write_bodies(motion, bodies, first, count):
 
 
 @kernel
-def _vary(motion, vectors):
-    """Advance the variations over the present step; return what diverges in it."""
-    p, clock = motion.constants, motion.clock
-    if clock.length <= 0:
-        return 0.0
-    travel = p.pitch * p.z1 / (2 * math.pi) * clock.speed
-    advance_variations(p, motion.segment, travel, clock.length, vectors)
-    return divergence_over_step(p, motion.segment, travel, clock.length)
+def _jump_at_contact(motion, zones, ports, before, vectors):
+    """Let the tangent vectors jump: the step that has just ended did so at a contact.
+
+    before : (3,) array
+        Damping of F, Ff and the moment at its end.
+    """
+    segment = motion.segment
+    fill_segment(motion, zones, ports)
+    after = (segment[SEG_FORCE + 1, 0], segment[SEG_FRICTION + 1, 0], segment[SEG_MOMENT + 1, 0])
+    for j in range(3):
+        before[j] = after[j] - before[j]
+    jump_at_contact(motion.constants, before, vectors)
 
 
 @kernel
-def _vary_contact(motion, zones, profiles, length, vectors):
-    """Let the variations jump: the step of `length` that has just ended did so at a contact."""
-    p, clock, segment = motion.constants, motion.clock, motion.segment
-    travel = p.pitch * p.z1 / (2 * math.pi) * clock.speed
-    force_c, rub_c = segment[SEG_FORCE + 1, 0], segment[SEG_FRICTION + 1, 0]
-    turn_c = segment[SEG_MOMENT + 1, 0] + travel * length * rub_c
-    fill_segment(motion, zones[clock.zone], profiles)
-    jump_at_contact(
-        p,
-        segment[SEG_FORCE + 1, 0] - force_c,
-        segment[SEG_FRICTION + 1, 0] - rub_c,
-        segment[SEG_MOMENT + 1, 0] - turn_c,
-        vectors,
-    )
-
-
-@kernel
-def run_cycle(motion, zones, profiles, section, vectors, growth, divergence, out, bodies):
+def run_cycle(motion, zones, ports, section, vectors, growth, divergence, out, bodies):
     """Advance to the beginning of the next mesh cycle."""
-    clock = motion.clock
-    cycle = clock.cycle
-    while clock.cycle == cycle:
-        stepper.begin_step(motion, zones, profiles, False)
-        if clock.tiny_steps >= stepper.MANY_TINY_STEPS:
+    phase, step, sampling = motion.phase, motion.step, motion.sampling
+    cycle = phase.cycle
+    entered = step.unsettled != 0
+    step.unsettled = 0
+    damping = motion.forced[:3]
+    while phase.cycle == cycle:
+        stepper.begin_step(motion, zones, ports, entered)
+        if step.tiny_steps >= stepper.MANY_TINY_STEPS:
             return stepper.STUCK
-        if not math.isfinite(motion.series[1, DELTA] + clock.length):
+        if not math.isfinite(motion.series[1, DELTA] + step.length):
             return stepper.NOT_FINITE
-        while clock.sample < out.shape[0]:
-            first = clock.sample
+        while sampling.sample < out.shape[0]:
+            first = sampling.sample
             count = write_due_samples(motion, 1, out, first)
             if count == 0:
                 break
             if bodies.shape[0] > 0:
                 _write_bodies(motion, bodies, first, count)
         if vectors.shape[0] > 0:
-            divergence[0] += _vary(motion, vectors)
-        length = clock.length
-        if clock.section_cycle <= cycle:
+            divergence[0] += advance_vectors(motion, vectors)
+        if sampling.section_cycle <= cycle:
             _write_section(motion, section)
-        stepper.end_step(motion, zones, profiles)
-        clock.events = 0
-        clock.length = -1.0
-        if clock.ending == stepper.CONTACT and vectors.shape[0] > 0:
-            _vary_contact(motion, zones, profiles, length, vectors)
+        contact = step.ending == CONTACT and vectors.shape[0] > 0
+        if contact:
+            damping_at_end(motion, damping)
+        entered = stepper.end_step(motion, zones, ports)
+        motion.counts.events = 0
+        step.length = -1.0
+        if contact:
+            _jump_at_contact(motion, zones, ports, damping, vectors)
+    step.unsettled = entered
     if growth.size > 0:
         orthonormalise(vectors, growth)
     return stepper.DONE
@@ -181,24 +177,15 @@ def run_cycle(motion, zones, profiles, section, vectors, growth, divergence, out
 
 @kernel(parallel=True)
 def _run_all(
-    records,
-    zones,
-    profiles,
-    zone_counts,
-    sections,
-    vectors,
-    growth,
-    divergence,
-    out,
-    bodies,
-    status,
+    records, zones, ports, bounds, sections, vectors, growth, divergence, out, bodies, status
 ):
     for i in numba.prange(status.size):
+        a, b, c, d = bounds[i, 0], bounds[i, 1], bounds[i + 1, 0], bounds[i + 1, 1]
         for cycle in range(sections.shape[1]):
             status[i] = run_cycle(
                 records[i],
-                borrowed(zones)[i][: zone_counts[i]],
-                borrowed(profiles),
+                borrowed(zones)[a:c],
+                borrowed(ports)[b:d],
                 borrowed(sections)[i, cycle],
                 borrowed(vectors)[i],
                 borrowed(growth)[i, cycle],
@@ -235,6 +222,7 @@ def run_cycles(
     samples_per_cycle: int = 0,
     with_bodies: bool = False,
     drive: bool = False,
+    ports: Sequence[Ports] | None = None,
     section_phase: float = 0.5,
     rtol: float = 1e-9,
     atol: float = 1e-12,
@@ -262,6 +250,8 @@ def run_cycles(
         Return what the bodies do at the samples too.
     drive : bool
         True runs the full form of docs/model.md.
+    ports : n Ports, optional
+        How the machines depart from the healthy ones.
     section_phase : float
         In cycles, [0, 1).
     rtol, atol : float
@@ -285,15 +275,16 @@ def run_cycles(
         settings(speed, torque, section_phase, rtol, atol)
         for speed, torque in zip(speeds, load_torques, strict=True)
     ]
-    motion, zone_counts = gather(pairs, runs, drive)
-    motion.records['clock']['sample_rate'] = max(samples_per_cycle, 1) / period
+    batch = gather(pairs, runs, drive, ports)
+    records = batch.records
+    records['sampling']['sample_rate'] = max(samples_per_cycle, 1) / period
     if states is not None:
-        motion.records['state'] = states
-        place_all_contacts(motion.records)
+        records['state'] = states
+        place_all_contacts(records)
     vectors = np.zeros((n, 0, VARIED)) if vectors is None else np.array(vectors, dtype=float)
     result = Cycles(
         sections=np.zeros((n, cycles, _SECTION_COLUMNS)),
-        states=motion.records['state'],
+        states=records['state'],
         samples=np.zeros((n, cycles * samples_per_cycle), SAMPLES),
         bodies=np.zeros((n, cycles * samples_per_cycle if with_bodies else 0), BODIES),
         vectors=vectors,
@@ -304,8 +295,7 @@ def run_cycles(
     rows = result.samples.view(np.float64).reshape(n, -1, len(SAMPLE_COLUMNS))
     status = np.zeros(n, np.int64)
     _run_all(
-        *motion,
-        zone_counts,
+        *batch,
         result.sections,
         result.vectors,
         result.growth,
@@ -314,22 +304,5 @@ def run_cycles(
         result.bodies.view(np.float64).reshape(n, -1, len(_BODY_COLUMNS)),
         status,
     )
-    refuse_failure(status, motion.records)
+    refuse_failure(status, records)
     return result
-
-
-@kernel
-def place_contact(motion):
-    """Set the contact states that belong to the present state, at mesh phase 0."""
-    p, clock, y = motion.constants, motion.clock, motion.state
-    error = p.e_a * math.sin(p.phi0)
-    error_dot = p.e_a * math.cos(p.phi0) * p.z1 * clock.speed
-    delta, delta_dot = y[3] - y[1] + y[4] - error, y[9] - y[7] + y[10] - error_dot
-    clock.contact_a = clock.contact_b = contact_state(delta, delta_dot, p.b)
-
-
-@kernel
-def place_all_contacts(records):
-    """Set the contact states of all motions."""
-    for i in range(records.size):
-        place_contact(records[i])

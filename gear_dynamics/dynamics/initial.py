@@ -27,7 +27,7 @@ def static_state(pair: GearPair, speed: float, load_torque: float) -> np.ndarray
     (STATES,) array
     """
     run = settings(speed, load_torque, 0.5, 1e-9, 1e-12)
-    return gather([pair], [run], drive=False).motion.records['state'][0]
+    return gather([pair], [run], drive=False).records['state'][0]
 
 
 def states_at(

@@ -8,9 +8,12 @@ from collections.abc import Sequence
 import numba
 import numpy as np
 
-from gear_dynamics.dynamics.cycles import place_all_contacts, place_contact, run_cycle, settings
+from gear_dynamics.dynamics.cycles import run_cycle, settings
 from gear_dynamics.integrator import stepper
+from gear_dynamics.integrator.contact_events import place_contact
 from gear_dynamics.integrator.kernel import borrowed, kernel
+from gear_dynamics.integrator.motion import place_all_contacts
+from gear_dynamics.integrator.series import expand_own_error
 from gear_dynamics.integrator.variation import VARIED
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.simulation.batch import gather, refuse_failure
@@ -30,12 +33,13 @@ def _bring_back(motion, base):
     distance = math.sqrt(total) / p.b
     for j in range(12):
         near[j] = y[j] + (near[j] - y[j]) * (DISTANCE / distance)
+    expand_own_error(motion)
     place_contact(motion)
     return distance
 
 
 @kernel(parallel=True)
-def _run_pairs(records, zones, profiles, zone_counts, growth, status):
+def _run_pairs(records, zones, ports, bounds, growth, status):
     for i in numba.prange(growth.shape[0]):
         base, near = 2 * i, 2 * i + 1
         section, nothing = np.empty(32), np.empty((0, 16))
@@ -44,8 +48,8 @@ def _run_pairs(records, zones, profiles, zone_counts, growth, status):
             for j in range(base, near + 1):
                 status[j] = run_cycle(
                     records[j],
-                    borrowed(zones)[j][: zone_counts[j]],
-                    borrowed(profiles),
+                    borrowed(zones)[bounds[j, 0] : bounds[j + 1, 0]],
+                    borrowed(ports)[bounds[j, 1] : bounds[j + 1, 1]],
                     section,
                     vectors,
                     none,
@@ -91,13 +95,13 @@ def nearby_growth(
     """
     n = len(pairs)
     run = settings(speed, load_torque, 0.5, rtol, atol)
-    motion, zone_counts = gather([pair for pair in pairs for _ in range(2)], [run] * 2 * n, False)
-    records = motion.records
+    batch = gather([pair for pair in pairs for _ in range(2)], [run] * 2 * n, False)
+    records = batch.records
     records['state'] = np.repeat(states, 2, axis=0)
     apart = DISTANCE / math.sqrt(5) * records['constants']['b'][1::2]
     records['state'][1::2, :5] += apart[:, np.newaxis]
     place_all_contacts(records)
     growth, status = np.zeros((n, cycles)), np.zeros(2 * n, np.int64)
-    _run_pairs(*motion, zone_counts, growth, status)
+    _run_pairs(*batch, growth, status)
     refuse_failure(status, records)
     return growth

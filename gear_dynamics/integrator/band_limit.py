@@ -184,6 +184,17 @@ class BandLimiter:
         self._first = -self._held
         self._jumps = self._jumps[:0]
 
+    def memory(self) -> tuple[np.ndarray, int, np.ndarray]:
+        """Return what the next samples depend on besides the source."""
+        return self._rows[: self._held].copy(), self._first, self._jumps.copy()
+
+    def set_memory(self, memory: tuple[np.ndarray, int, np.ndarray]) -> None:
+        """Go on from a memory."""
+        rows, self._first, jumps = memory
+        self._held = len(rows)
+        self._rows[: self._held] = rows
+        self._jumps = jumps.copy()
+
     def smooth(self, jumps: np.ndarray) -> None:
         """Take the jumps, (m, ROWS_OF_JUMP, HIGH_RATE_COLUMNS), that the next rows contain."""
         self._jumps = np.concatenate([self._jumps, jumps])

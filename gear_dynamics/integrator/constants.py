@@ -1,41 +1,53 @@
 """The numbers that the compiled kernels need of a gear pair, as one NumPy record.
 
-Symbols are those of docs/model.md: index 1 the pinion, 2 the gear, y along the line of action.
+Symbols are those of docs/model.md: index 1 the pinion, 2 the gear, y along the line of action. The
+equations of motion come from `model.system`; here they are laid out for the kernels.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 
-from gear_dynamics.integrator.layout import COLUMNS, PSI, Q_SUM, X1, X2, Y1, Y2, Q
+from gear_dynamics.integrator.layout import COLUMNS, COORDINATES, Q_SUM, Q
 from gear_dynamics.integrator.recurrence import (
     ANSWERS,
     DAMPING,
     STIFFNESS,
     TO_FORCE,
-    TO_FRICTION,
-    TO_LOAD,
-    TO_MOMENT,
     TO_Q,
     TO_Q_DOT,
     TO_Q_SUM,
 )
+from gear_dynamics.model import system as equations
 from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.ports import Offset, Term
+from gear_dynamics.parameters.parameter import ParameterError
+
+FOLDED = {
+    'half_backlash': 'b',
+    'friction': 'mu',
+    'pinion_support_stiffness': 'k1',
+    'gear_support_stiffness': 'k2',
+    'pinion_support_damping': 'c1',
+    'gear_support_damping': 'c2',
+}
+"""Signals whose constant offsets change a constant, so that they cost nothing."""
 
 CONSTANTS = np.dtype(
     [
         (name, np.float64)
         for name in (
             # rigid bodies, supports
-            'm1 m2 inertia1 inertia2 c1 c2 k1 k2 me rb1 rb2 ratio inertia_t '
+            'm1 m2 c1 c2 k1 k2 inertia_t inertia2 rb1 ratio '
             # one tooth pair, mesh
             'k c b mu e_a phi0 z1 z2 pitch arm1 arm_sum '
             # drive
             'kd cd ki '
-            # ready for the equations: 1 / m, c / m, k / m and the like
-            'inv_m1 inv_m2 inv_me inv_it c1_m c2_m k1_m k2_m psi_1 psi_2 th1_psi th2_psi '
+            # th1 and th2 of psi
+            'th1_psi th2_psi '
             # scales and tolerances
             'wn fastest rtol atol '
             # angle of one tooth [rad]
@@ -45,19 +57,27 @@ CONSTANTS = np.dtype(
     + [(name, np.int64) for name in ('rectangular', 'damping_in_gap', 'drive', 'hunting')]
     + [
         ('answers', np.float64, (ANSWERS, COLUMNS)),
+        ('torques', np.float64, (2, COLUMNS)),
         ('scales', np.float64, (COLUMNS,)),
     ]
 )
 """k, c: of one tooth pair; pitch: base pitch; arm1: r1 sin a - l1; arm_sum: (rb1 + rb2) tan a;
-ratio: rb1 / rb2; inertia_t: It; psi_1, psi_2: rb / I;
-th1_psi, th2_psi: what psi adds to th1 and takes from th2;
+ratio: rb1 / rb2; inertia_t: It; th1_psi, th2_psi: what psi adds to th1 and takes from th2;
 fastest: bound of the natural frequencies [rad/s];
 drive: 1 for the six-coordinate form, 0 for the reduced one;
-hunting: tooth pairs until the same two teeth meet again; answers: see `model.recurrence`;
+hunting: tooth pairs until the same two teeth meet again; answers: see `recurrence`;
+torques: acceleration of the columns per torque on the pinion (row 0) and against the gear (1);
 scales: of the columns of a series, to weigh them against each other."""
 
 
-def pack(pair: GearPair, rtol: float, atol: float, drive: bool = True) -> np.ndarray:
+def pack(
+    pair: GearPair,
+    rtol: float,
+    atol: float,
+    drive: bool = True,
+    offsets: Iterable[Term] = (),
+    stiffest: float = 1.0,
+) -> np.ndarray:
     """Return the constants of a gear pair as an array of one record.
 
     Parameters
@@ -68,27 +88,33 @@ def pack(pair: GearPair, rtol: float, atol: float, drive: bool = True) -> np.nda
     drive : bool
         False gives the reduced form: no rigid rotation q, and T1 carries the load and, while the
         speed ramps, the inertias.
+    offsets : iterable of ports.Offset
+        Constant offsets of the signals in FOLDED; other terms are ignored.
+    stiffest : float
+        Bound of a tooth pair's stiffness over the nominal one.
+
+    Raises
+    ------
+    ParameterError
+        If the half backlash, mu or a support would not be positive with its offsets.
     """
     derived = pair.derived
-    angle = math.radians(pair.pressure_angle_deg)
+    system = equations.system(pair, drive)
     ratio = derived.pinion_base_radius / derived.gear_base_radius
     inertia_t = derived.pinion_inertia + derived.gear_inertia * ratio**2
-    drive_rate = 2 * math.pi * pair.drive_frequency
-    kd = drive_rate**2 * inertia_t
+    arm1, arm_sum = equations.arms(pair)
+    kd, cd, ki = equations.drive_control(pair, inertia_t)
     values = {
         'm1': derived.pinion_mass,
         'm2': derived.gear_mass,
-        'inertia1': derived.pinion_inertia,
         'inertia2': derived.gear_inertia,
+        'inertia_t': inertia_t,
         'c1': derived.pinion_support_damping,
         'c2': derived.gear_support_damping,
         'k1': pair.pinion_support_stiffness,
         'k2': pair.gear_support_stiffness,
-        'me': derived.equivalent_mass,
         'rb1': derived.pinion_base_radius,
-        'rb2': derived.gear_base_radius,
         'ratio': ratio,
-        'inertia_t': inertia_t,
         'k': derived.single_stiffness,
         'c': derived.tooth_pair_damping,
         'b': pair.half_backlash,
@@ -98,13 +124,14 @@ def pack(pair: GearPair, rtol: float, atol: float, drive: bool = True) -> np.nda
         'z1': pair.pinion_teeth,
         'z2': pair.gear_teeth,
         'pitch': derived.base_pitch,
-        'arm1': derived.pinion_pitch_radius * math.sin(angle) - derived.approach_length,
-        'arm_sum': (derived.pinion_base_radius + derived.gear_base_radius) * math.tan(angle),
+        'arm1': arm1,
+        'arm_sum': arm_sum,
         'kd': kd,
-        'cd': 2 * pair.drive_damping_ratio * drive_rate * inertia_t,
-        'ki': kd * drive_rate / 5,
+        'cd': cd,
+        'ki': ki,
+        'th1_psi': system.angles[0, 0],
+        'th2_psi': -system.angles[1, 0],
         'wn': derived.wn,
-        'fastest': _fastest_mode(pair),
         'rtol': rtol,
         'atol': atol,
         'rectangular': pair.mesh_stiffness != 'constant',
@@ -114,57 +141,53 @@ def pack(pair: GearPair, rtol: float, atol: float, drive: bool = True) -> np.nda
         'tooth2': 2 * math.pi / pair.gear_teeth,
         'hunting': math.lcm(pair.pinion_teeth, pair.gear_teeth),
     }
-    values |= {
-        'inv_m1': 1 / values['m1'],
-        'inv_m2': 1 / values['m2'],
-        'inv_me': 1 / values['me'],
-        'inv_it': 1 / inertia_t,
-        'c1_m': values['c1'] / values['m1'],
-        'c2_m': values['c2'] / values['m2'],
-        'k1_m': values['k1'] / values['m1'],
-        'k2_m': values['k2'] / values['m2'],
-        'psi_1': values['rb1'] / values['inertia1'],
-        'psi_2': values['rb2'] / values['inertia2'],
-        'th1_psi': ratio * values['inertia2'] / (values['rb2'] * inertia_t),
-        'th2_psi': values['inertia1'] / (values['rb2'] * inertia_t),
-    }
+    _add_offsets(values, offsets)
+    values['fastest'] = _fastest_mode(pair, values, stiffest)
     packed = np.zeros(1, CONSTANTS)
     for name, value in values.items():
         packed[name] = value
-    packed['answers'] = _answers(packed[0])
-    packed['scales'][0, [X1, Y1, X2, Y2, PSI]], packed['scales'][0, Q] = 1.0, values['rb1']
+    packed['answers'] = _answers(system, values)
+    packed['torques'][0, :, :COORDINATES] = system.torques.T
+    packed['scales'][0, :COORDINATES] = 1.0
+    packed['scales'][0, Q] = values['rb1']
     return packed
 
 
-def _answers(p: np.void) -> np.ndarray:
-    """Return what the columns of a series answer to: the equations of docs/model.md, by columns."""
+def _add_offsets(values: dict[str, float], offsets: Iterable[Term]) -> None:
+    for term in offsets:
+        if isinstance(term, Offset) and term.signal in FOLDED:
+            name = FOLDED[term.signal]
+            values[name] += term.value
+            least = 0.0 if name in ('mu', 'c1', 'c2') else 1e-12
+            if values[name] < least:
+                raise ParameterError(
+                    f'{term.signal} is {values[name]:g} with its offsets: it must be positive'
+                )
+
+
+def _answers(system: equations.System, values: dict[str, float]) -> np.ndarray:
+    """Return the equations of motion by columns of a series, one vector an influence."""
     rows = np.zeros((ANSWERS, COLUMNS))
-    rows[TO_FORCE, [Y1, Y2, PSI]] = p['inv_m1'], -p['inv_m2'], -p['inv_me']
-    rows[TO_FRICTION, [X1, X2, PSI]] = p['inv_m1'], -p['inv_m2'], p['psi_2'] * p['arm_sum']
-    rows[TO_MOMENT, PSI] = p['psi_1'] - p['psi_2']
-    rows[TO_LOAD, PSI] = p['inv_me'] / p['rb2']
-    rows[STIFFNESS, [X1, Y1, X2, Y2]] = -p['k1_m'], -p['k1_m'], -p['k2_m'], -p['k2_m']
-    rows[DAMPING, [X1, Y1, X2, Y2]] = -p['c1_m'], -p['c1_m'], -p['c2_m'], -p['c2_m']
-    if p['drive']:
-        rows[TO_FRICTION, Q] = -p['ratio'] * p['arm_sum'] * p['inv_it']
-        rows[TO_MOMENT, Q] = (1 + p['ratio']) * p['inv_it']
-        control = {TO_Q: p['kd'], TO_Q_DOT: p['cd'], TO_Q_SUM: p['ki']}
-        for to, strength in control.items():
-            rows[to, [PSI, Q]] = -strength * p['psi_1'], -strength * p['inv_it']
+    n = COORDINATES
+    rows[TO_FORCE : TO_FORCE + 4, :n] = system.loads.T
+    for row, k1, k2 in ((STIFFNESS, 'k1', 'k2'), (DAMPING, 'c1', 'c2')):
+        rows[row, 0:2] = -values[k1] / values['m1']
+        rows[row, 2:4] = -values[k2] / values['m2']
+    rows[TO_Q, :n] = -system.stiffness[:, Q]
+    rows[TO_Q_DOT, :n] = -system.damping[:, Q]
+    rows[TO_Q_SUM, :n] = -system.integral
+    if values['drive']:
         rows[TO_Q_DOT, Q_SUM] = 1.0
     return rows
 
 
-def _fastest_mode(pair: GearPair) -> float:
+def _fastest_mode(pair: GearPair, values: dict[str, float], stiffest: float) -> float:
     """Return a bound of the highest natural frequency, with two pairs in contact [rad/s].
 
     The sum of what the mesh and the supports alone would give (Weyl's inequality).
     """
     derived = pair.derived
-    mesh = 2 * derived.single_stiffness
+    mesh = 2 * derived.single_stiffness * stiffest
     mesh *= 1 / derived.pinion_mass + 1 / derived.gear_mass + 1 / derived.equivalent_mass
-    supports = max(
-        pair.pinion_support_stiffness / derived.pinion_mass,
-        pair.gear_support_stiffness / derived.gear_mass,
-    )
+    supports = max(values['k1'] / derived.pinion_mass, values['k2'] / derived.gear_mass)
     return math.sqrt(mesh + supports)

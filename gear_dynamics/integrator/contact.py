@@ -15,11 +15,7 @@ DRIVE, GAP, BACK = 1, 0, -1
 """Contact states of a tooth pair: on the drive flank, in the backlash gap, on the back flank."""
 
 PARTS = 2 * LANES
-"""Parts in which a step is looked at."""
-
-MOST_RADIANS = 16.0
-"""Longest step, in radians of the fastest mode: a part then spans one radian at most, in which a
-motion of that mode alone has room for one extremum."""
+"""Parts in which a step is looked at; see `layout.MOST_RADIANS`."""
 
 _NEAR = 8 * np.finfo(np.float64).eps
 _STILL = 1e-10
@@ -30,9 +26,15 @@ otherwise rounding would have it come and go without end."""
 @kernel
 def contact_state(delta, slope, b):
     """Return the contact state at relative displacement delta; on the edge the slope decides."""
-    if delta > b or (delta == b and slope >= 0):
+    return flank_in_contact(delta, slope, delta, slope, b)
+
+
+@kernel
+def flank_in_contact(high, high_slope, low, low_slope, b):
+    """Return the contact state by what is held against b, and what is held against -b."""
+    if high > b or (high == b and high_slope >= 0):
         return DRIVE
-    if delta < -b or (delta == -b and slope <= 0):
+    if low < -b or (low == -b and low_slope <= 0):
         return BACK
     return GAP
 
@@ -130,21 +132,22 @@ def _exit(g, row, level, sign, near, ta, ga, sa, tb, gb, sb):
 
 
 @kernel
-def first_change(g, row, h, state, b, parts):
+def first_change(g, high, low, h, state, b, parts):
     """Return the first instant in [0, h] at which a pair's contact changes, and its next state.
 
     Parameters
     ----------
     g : (n, ROWS) array
-    row : int
-        The row of g that is the series of the pair's delta_i.
+    high, low : int
+        Rows of g: the series of what is held against b and against -b, which is the pair's delta_i
+        for both while the half backlash is constant.
     h : float
         Length of the step [s].
     state : int
         DRIVE, GAP or BACK.
     b : float
         Half backlash [m].
-    parts : (2, PARTS) array
+    parts : (4, PARTS) array
         Scratch.
 
     Returns
@@ -152,24 +155,48 @@ def first_change(g, row, h, state, b, parts):
     t, new_state : float, int
         t is inf if the state lasts.
     """
-    near = _NEAR * b
+    if state == DRIVE:
+        return _first_exit(g, high, h, b, 1.0, parts[:2]), GAP
+    if state == BACK:
+        return _first_exit(g, low, h, -b, 1.0 * state, parts[:2]), GAP
+    return _first_touch(g, high, low, h, b, parts)
+
+
+@kernel
+def _first_exit(g, row, h, level, sign, parts):
+    """Return the first instant in [0, h] at which sign (g - level) turns negative, or inf."""
+    near = _NEAR * abs(level)
     sixteenths(g, row, h, parts)
     gb, sb, tb = g[row, 0], g[row, 1], 0.0
     for j in range(PARTS):
         ga, sa, ta = gb, sb, tb
         gb, sb, tb = parts[0, j], parts[1, j], h * ((j + 1) / PARTS)
-        # A pair on a flank leaves it towards the gap; in the gap it may reach either flank.
-        leaves = rises = falls = math.inf
-        if state != GAP:
-            if not _stays(state * b, 1.0 * state, near, tb - ta, ga, sa, gb, sb):
-                leaves = _exit(g, row, state * b, 1.0 * state, near, ta, ga, sa, tb, gb, sb)
+        if not _stays(level, sign, near, tb - ta, ga, sa, gb, sb):
+            leaves = _exit(g, row, level, sign, near, ta, ga, sa, tb, gb, sb)
             if leaves < math.inf:
-                return leaves, GAP
-            continue
+                return leaves
+    return math.inf
+
+
+@kernel
+def _first_touch(g, high, low, h, b, parts):
+    """Return the first instant in [0, h] at which a pair in the gap reaches a flank, and which."""
+    near = _NEAR * b
+    sixteenths(g, high, h, parts[:2])
+    other = 0 if high == low else 2
+    if other:
+        sixteenths(g, low, h, parts[2:])
+    gb, sb, tb = g[high, 0], g[high, 1], 0.0
+    lb, rb = g[low, 0], g[low, 1]
+    for j in range(PARTS):
+        ga, sa, la, ra, ta = gb, sb, lb, rb, tb
+        gb, sb, tb = parts[0, j], parts[1, j], h * ((j + 1) / PARTS)
+        lb, rb = parts[other, j], parts[other + 1, j]
+        rises = falls = math.inf
         if not _stays(b, -1.0, near, tb - ta, ga, sa, gb, sb):
-            rises = _exit(g, row, b, -1.0, near, ta, ga, sa, tb, gb, sb)
-        if not _stays(-b, 1.0, near, tb - ta, ga, sa, gb, sb):
-            falls = _exit(g, row, -b, 1.0, near, ta, ga, sa, tb, gb, sb)
+            rises = _exit(g, high, b, -1.0, near, ta, ga, sa, tb, gb, sb)
+        if not _stays(-b, 1.0, near, tb - ta, la, ra, lb, rb):
+            falls = _exit(g, low, -b, 1.0, near, ta, la, ra, tb, lb, rb)
         if rises < math.inf or falls < math.inf:
             return (rises, DRIVE) if rises <= falls else (falls, BACK)
-    return math.inf, state
+    return math.inf, GAP

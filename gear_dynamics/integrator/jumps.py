@@ -16,6 +16,7 @@ from gear_dynamics.integrator.layout import (
     DELTA,
     FORCE,
     FRICTION,
+    PSI,
     ROWS,
     SAMPLE_DELTA,
     SAMPLE_DELTA_DOT,
@@ -23,10 +24,22 @@ from gear_dynamics.integrator.layout import (
     SEG_FRICTION,
     SEG_MOMENT,
     SPEED,
+    X1,
+    X2,
+    Y1,
+    Y2,
+    Q,
     T,
 )
 from gear_dynamics.integrator.output import operate
-from gear_dynamics.integrator.series import polynomial, value_and_slope
+from gear_dynamics.integrator.recurrence import (
+    DAMPING,
+    STIFFNESS,
+    TO_FORCE,
+    TO_FRICTION,
+    TO_MOMENT,
+)
+from gear_dynamics.integrator.series import value_and_slope
 
 VALUE, SLOPE, CURVATURE = range(3)
 ROWS_OF_JUMP = 3
@@ -49,80 +62,91 @@ def _higher_slopes(motion, column, t):
 
 
 @kernel
+def _derivatives(segment, row, degree, t, delta, first, second, third, out):
+    """Fill `out` with a force of the segment at t and its first two derivatives."""
+    out[0] = operate(segment, row, degree, t, delta, first)
+    k = c = o = k_1 = c_1 = o_1 = k_2 = c_2 = o_2 = 0.0
+    for j in range(degree, -1, -1):
+        k_2, c_2, o_2 = k_2 * t + k_1, c_2 * t + c_1, o_2 * t + o_1
+        k_1, c_1, o_1 = k_1 * t + k, c_1 * t + c, o_1 * t + o
+        k, c, o = k * t + segment[row, j], c * t + segment[row + 1, j], o * t + segment[row + 2, j]
+    out[1] = k * first + c * second
+    out[2] = k * second + c * third
+    if degree > 0:
+        out[1] += k_1 * delta + c_1 * first + o_1
+        out[2] += 2 * (k_1 * first + c_1 * second) + 2 * (k_2 * delta + c_2 * first + o_2)
+
+
+@kernel
 def note_before(motion):
     """Note the forces at the end of the present step, which is a mesh or contact event."""
-    clock, segment = motion.clock, motion.segment
-    t, degree = clock.length, clock.degree
+    before, segment = motion.before, motion.segment
+    t, degree = motion.step.length, motion.step.degree
     delta, slope = value_and_slope(motion, DELTA, t)
-    clock.before_force = operate(segment, SEG_FORCE, degree, t, delta, slope)
-    clock.before_friction = operate(segment, SEG_FRICTION, degree, t, delta, slope)
-    travelled = clock.travel * t * clock.before_friction
-    clock.before_torque1 = operate(segment, SEG_MOMENT, degree, t, delta, slope) + travelled
-    clock.before_force_k = polynomial(segment, SEG_FORCE, t)[0]
-    clock.before_force_c = polynomial(segment, SEG_FORCE + 1, t)[0]
-    clock.before_friction_k = polynomial(segment, SEG_FRICTION, t)[0]
-    clock.before_friction_c = polynomial(segment, SEG_FRICTION + 1, t)[0]
-    clock.before_curvature, clock.before_third = _higher_slopes(motion, DELTA, t)
-    clock.jumped = 1
+    before.curvature, before.third = _higher_slopes(motion, DELTA, t)
+    motions = (delta, slope, before.curvature, before.third)
+    _derivatives(segment, SEG_FORCE, degree, t, *motions, before.force)
+    _derivatives(segment, SEG_FRICTION, degree, t, *motions, before.friction)
+    travelled = motion.step.travel * t * before.friction[0]
+    before.torque1 = operate(segment, SEG_MOMENT, degree, t, delta, slope) + travelled
+    before.jumped = 1
 
 
 @kernel
-def _fill_column(jump, column, value, slope, curvature, inverse_mass, damping, stiffness):
-    """Write the jump of an acceleration  inverse_mass force - damping x' - stiffness x."""
-    jump[VALUE, column] = value * inverse_mass
-    jump[SLOPE, column] = slope * inverse_mass - damping * jump[VALUE, column]
+def _jump_of(motion, row, before, out):
+    """Fill `out` with the jump of a force and of its first two derivatives."""
+    s = motion.series
+    motions = (s[0, DELTA], s[1, DELTA], 2 * s[2, DELTA], 6 * s[3, DELTA])
+    _derivatives(motion.segment, row, motion.step.degree, 0.0, *motions, out)
+    for j in range(3):
+        out[j] -= before[j]
+
+
+@kernel
+def _fill_column(jump, column, force, factor, damping, stiffness):
+    """Write the jump of an acceleration  factor force - damping x' - stiffness x."""
+    jump[VALUE, column] = force[0] * factor
+    jump[SLOPE, column] = force[1] * factor - damping * jump[VALUE, column]
     jump[CURVATURE, column] = (
-        curvature * inverse_mass - damping * jump[SLOPE, column] - stiffness * jump[VALUE, column]
-    )
-
-
-@kernel
-def _slopes_of_jump(motion, row, k_before, c_before):
-    """Return the jumps of a force's first and second derivative, of healthy pairs."""
-    clock, series = motion.clock, motion.series
-    k, c = motion.segment[row, 0], motion.segment[row + 1, 0]
-    slope, curvature, third = series[1, DELTA], 2 * series[2, DELTA], 6 * series[3, DELTA]
-    before_2, before_3 = clock.before_curvature, clock.before_third
-    return (
-        k * slope + c * curvature - k_before * slope - c_before * before_2,
-        k * curvature + c * third - k_before * before_2 - c_before * before_3,
+        force[2] * factor - damping * jump[SLOPE, column] - stiffness * jump[VALUE, column]
     )
 
 
 @kernel
 def note_jump(motion, jumps):
     """Write the jump between `note_before` and the beginning of the present step to `jumps`."""
-    p, clock = motion.constants, motion.clock
-    series, segment = motion.series, motion.segment
-    clock.jumped = 0
-    delta, slope, curvature = series[0, DELTA], series[1, DELTA], 2 * series[2, DELTA]
-    force = operate(segment, SEG_FORCE, clock.degree, 0.0, delta, slope) - clock.before_force
-    friction = operate(segment, SEG_FRICTION, clock.degree, 0.0, delta, slope)
-    friction -= clock.before_friction
-    torque1 = operate(segment, SEG_MOMENT, clock.degree, 0.0, delta, slope) - clock.before_torque1
-    torque2 = p.arm_sum * friction - torque1
-    a_psi = p.psi_1 * torque1 + p.psi_2 * torque2 - force * p.inv_me
-    a_q = (torque1 - p.ratio * torque2) * p.inv_it if p.drive else 0.0
-    force_1, force_2 = _slopes_of_jump(
-        motion, SEG_FORCE, clock.before_force_k, clock.before_force_c
+    p, before, series = motion.constants, motion.before, motion.series
+    answers = p.answers
+    before.jumped = 0
+    force, friction = motion.scratch[0], motion.scratch[1]
+    _jump_of(motion, SEG_FORCE, before.force, force)
+    _jump_of(motion, SEG_FRICTION, before.friction, friction)
+    torque1 = operate(
+        motion.segment, SEG_MOMENT, motion.step.degree, 0.0, series[0, DELTA], series[1, DELTA]
     )
-    friction_1, friction_2 = _slopes_of_jump(
-        motion, SEG_FRICTION, clock.before_friction_k, clock.before_friction_c
-    )
-    third, before_2, before_3 = 6 * series[3, DELTA], clock.before_curvature, clock.before_third
+    torque1 -= before.torque1
 
-    jump = jumps[clock.jumps]
+    jump = jumps[motion.counts.jumps]
     jump[:] = 0.0
-    jump[VALUE, T] = clock.origin + clock.begin * clock.sample_rate
-    jump[SLOPE, T] = clock.sample
-    _fill_column(jump, FORCE, force, force_1, force_2, 1.0, 0.0, 0.0)
-    _fill_column(jump, FRICTION, friction, friction_1, friction_2, 1.0, 0.0, 0.0)
-    _fill_column(jump, AX1, friction, friction_1, friction_2, p.inv_m1, p.c1_m, p.k1_m)
-    _fill_column(jump, AX2, friction, friction_1, friction_2, -p.inv_m2, p.c2_m, p.k2_m)
-    _fill_column(jump, AY1, force, force_1, force_2, p.inv_m1, p.c1_m, p.k1_m)
-    _fill_column(jump, AY2, force, force_1, force_2, -p.inv_m2, p.c2_m, p.k2_m)
-    jump[SLOPE, SAMPLE_DELTA_DOT] = curvature - before_2
-    jump[CURVATURE, SAMPLE_DELTA_DOT] = third - before_3
-    jump[CURVATURE, SAMPLE_DELTA] = curvature - before_2
-    jump[SLOPE, SPEED] = a_q + p.th1_psi * a_psi
-    clock.jumps += 1
+    jump[VALUE, T] = motion.sampling.origin + motion.step.begin * motion.sampling.sample_rate
+    jump[SLOPE, T] = motion.sampling.sample
+    _fill_column(jump, FORCE, force, 1.0, 0.0, 0.0)
+    _fill_column(jump, FRICTION, friction, 1.0, 0.0, 0.0)
+    for column, to, source, out in (
+        (X1, TO_FRICTION, friction, AX1),
+        (X2, TO_FRICTION, friction, AX2),
+        (Y1, TO_FORCE, force, AY1),
+        (Y2, TO_FORCE, force, AY2),
+    ):
+        damping, stiffness = -answers[DAMPING, column], -answers[STIFFNESS, column]
+        _fill_column(jump, out, source, answers[to, column], damping, stiffness)
+    jump[SLOPE, SAMPLE_DELTA_DOT] = 2 * series[2, DELTA] - before.curvature
+    jump[CURVATURE, SAMPLE_DELTA_DOT] = 6 * series[3, DELTA] - before.third
+    jump[CURVATURE, SAMPLE_DELTA] = 2 * series[2, DELTA] - before.curvature
+    for column, factor in ((PSI, p.th1_psi), (Q, 1.0)):
+        jump[SLOPE, SPEED] += factor * (
+            answers[TO_FORCE, column] * force[0]
+            + answers[TO_FRICTION, column] * friction[0]
+            + answers[TO_MOMENT, column] * torque1
+        )
+    motion.counts.jumps += 1

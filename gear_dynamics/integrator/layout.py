@@ -1,15 +1,19 @@
 """Sizes and places in the integrator's arrays."""
 
+from gear_dynamics.model.ports import SIGNALS
+
 ORDER = 28
 """Order of the positions' series."""
 
 ROWS = ORDER + 1
 """Rows of a series: the coefficients of t^0 to t^ORDER."""
 
-# Columns of a series.
+# Columns of a series: the coordinates of model.system, delta, and the integral of q.
 X1, Y1, X2, Y2, PSI, Q, DELTA, Q_SUM = range(8)
 COLUMNS = 8
-"""Positions, delta, and the integral of q."""
+COORDINATES = 6
+SUPPORTED = 4
+"""Columns from X1 on that rest on a support."""
 
 # Rows of the values that samples are made of: those named by the columns X1 to DELTA are of the
 # rates, second derivatives for X1 to Y2 and first ones for PSI, Q and DELTA, and these:
@@ -17,24 +21,47 @@ PSI_VALUE, Q_VALUE, DELTA_VALUE, Q_SUM_VALUE = range(7, 11)
 VALUES = 11
 
 STATES = 13
-"""States: six positions (x1, y1, x2, y2, psi, q), their velocities, and the integral of q.
+"""Numbers in a state: the coordinates of model.system, from VELOCITY on their velocities, and the
+integral of q."""
+VELOCITY = COORDINATES
+STATE_Q_SUM = 2 * COORDINATES
 
-psi = rb1 th1 - rb2 th2 and q, the rigid rotation, stand for th1 and th2: at mu = 0 the drive then
-never touches the vibration, to the last bit.
-"""
-
-WIDTH = 13
-"""Coefficients of a segment's polynomials in time: s is quadratic in time while the speed ramps,
-profiles are cubic in s, and the offset is a product of two of them."""
+WIDTH = ROWS - 2
+"""Coefficients of a segment's polynomials in time: those that the series can use."""
 
 # Rows of a segment: what multiplies delta and delta', and the offset, in the mesh force F, the
 # friction force Ff and the moment sum of Ff_i times the arm at the beginning of the step.
 SEG_FORCE, SEG_FRICTION, SEG_MOMENT = 0, 3, 6
-# Flank errors of pairs A and B.
-SEG_ERROR = 9
-# One pair's own stiffness, damping and offset, while its profile is added to the sums.
-SEG_PAIR = 11
-SEGMENT = 14
+SEGMENT = 9
+
+# Rows of the polynomials in time of a tooth pair with deviations: relative changes of stiffness and
+# damping, flank error, and what is added to mu.
+PAIR_STIFFNESS, PAIR_DAMPING, PAIR_ERROR, PAIR_FRICTION = range(4)
+PAIR_ROWS = 4
+
+# Signals that terms of ports add to, in the order of model.ports.SIGNALS.
+SIGNAL = {name: i for i, name in enumerate(SIGNALS)}
+ERROR, GAP, MU, REST = (
+    SIGNAL[name] for name in ('transmission_error', 'half_backlash', 'friction', 'pinion_rest_x')
+)
+PUSH, DRIVE_SIGNAL, LOAD_SIGNAL, SUPPORT_K, SUPPORT_C = (
+    SIGNAL[name]
+    for name in (
+        'pinion_force_x',
+        'drive_torque',
+        'load_torque',
+        'pinion_support_stiffness',
+        'pinion_support_damping',
+    )
+)
+SIGNAL_ROWS = len(SIGNALS)
+
+LONGEST_STEP = 0.05
+"""The longest step [s]; only a soft pair at rest comes near it."""
+
+MOST_RADIANS = 16.0
+"""Longest step, in radians of the fastest mode: a sixteenth of it then spans one radian at most, in
+which a motion of that mode alone has room for one extremum."""
 
 # Columns of the integrator's samples: those that are handed out, what the shafts do besides, and
 # padding to two vector registers.

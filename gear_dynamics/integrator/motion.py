@@ -1,4 +1,4 @@
-"""The state of a running gear pair, and what it is made of, as NumPy records and arrays."""
+"""The motion of gear pairs: their records and tables, and where a run starts."""
 
 from __future__ import annotations
 
@@ -8,173 +8,203 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gear_dynamics.integrator.constants import CONSTANTS, pack
-from gear_dynamics.integrator.contact import BACK, DRIVE, PARTS
-from gear_dynamics.integrator.layout import COLUMNS, ROWS, SEGMENT, STATES, VALUES, WIDTH
-from gear_dynamics.integrator.vector import LANES
-from gear_dynamics.machine.columns import EVENTS
+from gear_dynamics.integrator.constants import pack
+from gear_dynamics.integrator.contact import BACK, DRIVE
+from gear_dynamics.integrator.contact_events import place_contact
+from gear_dynamics.integrator.kernel import kernel
+from gear_dynamics.integrator.layout import (
+    COORDINATES,
+    ERROR,
+    GAP,
+    MU,
+    PAIR_ERROR,
+    PAIR_FRICTION,
+    PAIR_STIFFNESS,
+    PSI,
+    STATES,
+    SUPPORT_K,
+    VELOCITY,
+)
+from gear_dynamics.integrator.records import empty_records
+from gear_dynamics.integrator.segment import fill_segment
+from gear_dynamics.integrator.series import expand_error, expand_own_error
+from gear_dynamics.integrator.tables import (
+    Fade,
+    Group,
+    Tables,
+    folded_offsets,
+    has_friction,
+    jumps_possible,
+    make_tables,
+    packed,
+    place_curves,
+    unpacked,
+)
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.mesh import intervals as mesh
+from gear_dynamics.model.mesh.intervals import zones
+from gear_dynamics.model.ports import HEALTHY, Ports
+from gear_dynamics.model.system import PairInContact, static_equilibrium
 from gear_dynamics.parameters.run_settings import RunSettings
-
-CLOCK = np.dtype(
-    [
-        (name, np.float64)
-        for name in (
-            # the present step: begin [s since origin], length [s], mesh phase at its begin
-            'begin length phase '
-            # pinion speed [rad/s] and acceleration, load torque [N m] and rate, at its begin
-            'speed accel torque torque_rate '
-            # targets and rate limits of the commands, and when they are reached
-            'speed_target torque_target speed_limit torque_limit speed_reached torque_reached '
-            # where speed and acceleration last changed: phase follows from here
-            'anchor anchor_phase anchor_speed '
-            'sample_rate section_phase smallest_step '
-            # forces before the last event, for `model.jumps`, and how fast the arms grow
-            'before_force before_friction before_torque1 travel '
-            'before_force_k before_force_c before_friction_k before_friction_c '
-            'before_curvature before_third'
-        ).split()
-    ]
-    + [
-        (name, np.int64)
-        for name in (
-            # next sample, sample at the origin of time, mesh cycle, its zone, contact states
-            'sample origin cycle zone contact_a contact_b '
-            # 1: contact states may have jumped, and are looked at where the next step begins
-            'unsettled '
-            'anchor_cycle section_cycle '
-            # the pinion and the gear tooth of pair A
-            'tooth1 tooth2 '
-            # why the present step ends, and the contact states after it
-            'ending next_a next_b degree jumps jumped rated '
-            'events steps rejected_steps contact_losses back_flank_impacts tiny_steps'
-        ).split()
-    ]
-)
-"""One record per gear pair. Times are seconds since `origin`, which moves on once a second so that
-they keep their precision however long the run."""
-
-
-EVENT_ROOM = 128
-"""Events that a motion can hold until they are taken out."""
-
-_CACHE_LINE = 64
-
-
-def _in_cache_lines(fields: dict[str, tuple]) -> np.dtype:
-    """Return a record of fields (dtype, shape), each of which begins a cache line.
-
-    A vector that lies in two of them takes twice as long to load and to store.
-    """
-    offsets, end = [], 0
-    for kind in fields.values():
-        offsets.append(end)
-        end += -(-np.dtype(kind).itemsize // _CACHE_LINE) * _CACHE_LINE
-    formats = [np.dtype(kind) for kind in fields.values()]
-    return np.dtype(
-        {'names': list(fields), 'formats': formats, 'offsets': offsets, 'itemsize': end}
-    )
-
-
-MOTION = _in_cache_lines(
-    {
-        'constants': (CONSTANTS, ()),
-        'clock': (CLOCK, ()),
-        'state': (np.float64, (STATES,)),
-        'series': (np.float64, (ROWS, COLUMNS)),
-        # the transmission error; and delta_i of pairs A and B while their contact is looked at
-        'error': (np.float64, (3, ROWS)),
-        'segment': (np.float64, (SEGMENT, WIDTH)),
-        'parts': (np.float64, (2, PARTS)),
-        'point': (np.float64, (2, COLUMNS)),
-        # of samples: series of derivatives, times in the step, values at them
-        'rates': (np.float64, (ROWS, COLUMNS)),
-        'times': (np.float64, (LANES,)),
-        'values': (np.float64, (VALUES, LANES)),
-        'forced': (np.float64, (4,)),
-        'events': (EVENTS, (EVENT_ROOM,)),
-    }
-)
-"""Everything that the stepper keeps of one gear pair."""
 
 
 class Motion(NamedTuple):
-    """The motion of n independent gear pairs.
+    """The motion of one gear pair.
 
-    `records` is (n,) MOTION; `zones` and `profiles` of the mesh are shared by all.
+    `records` is (1,) MOTION, `zones` are the mesh intervals, `ports` are tables in bytes.
     """
 
     records: np.ndarray
     zones: np.ndarray
-    profiles: np.ndarray
+    ports: np.ndarray
 
 
-def at_rest(
-    pairs: Sequence[GearPair],
-    runs: Sequence[RunSettings],
+def copy_of(motion: Motion) -> Motion:
+    """Return an independent copy of a motion."""
+    records = empty_records(len(motion.records))
+    records[:] = motion.records
+    return Motion(records, motion.zones, motion.ports.copy())
+
+
+def elapsed(record: np.void) -> float:
+    """Return the time since the start of the run where the present step begins [s]."""
+    sampling = record['sampling']
+    return float(sampling['origin'] / sampling['sample_rate'] + record['step']['begin'])
+
+
+def time_of(record: np.void, sample: int) -> float:
+    """Return when a sample is due, from the beginning of the present step on [s]."""
+    sampling = record['sampling']
+    since = (sample - sampling['origin']) / sampling['sample_rate']
+    return float(since - record['step']['begin'])
+
+
+def start(
+    pair: GearPair,
+    run: RunSettings,
     oversampling: int = 1,
     drive: bool = True,
-    profiles: np.ndarray | None = None,
+    ports: Ports = HEALTHY,
 ) -> Motion:
-    """Return the motion of gear pairs at the start of their runs.
+    """Return the motion of a gear pair at the start of its run.
 
-    The start is q = 0, the static deflection of the commands at mesh phase 0 and delta' = 0. The
-    pairs may differ in everything but what sets the zones of the mesh: teeth, module, pressure
-    angle, and whether there is friction.
+    The start is q = 0, the static deflection of the commands at mesh phase 0 and delta' = 0.
     """
-    n = len(pairs)
-    table = mesh.zones(pairs[0], profiles)
-    records = empty_records(n)
-    clock = records['clock']
-    for i, run in enumerate(runs):
-        clock[i]['speed'] = clock[i]['speed_target'] = clock[i]['anchor_speed'] = run.speed
-        clock[i]['torque'] = clock[i]['torque_target'] = run.load_torque
-        clock[i]['speed_limit'] = run.speed_rate_limit
-        clock[i]['torque_limit'] = run.torque_rate_limit
-        clock[i]['sample_rate'] = run.sample_rate * oversampling
-        clock[i]['section_phase'] = run.section_phase
-    clock['speed_reached'] = clock['torque_reached'] = math.inf
-    clock['smallest_step'] = math.inf
-    clock['contact_a'] = clock['contact_b'] = np.where(clock['torque'] >= 0, DRIVE, BACK)
-    clock['length'] = -1.0
-    clock['unsettled'] = profiles is not None and len(profiles) > 0
-    for i, (pair, run) in enumerate(zip(pairs, runs, strict=True)):
-        records['constants'][i] = pack(pair, run.rtol, run.atol, drive)[0]
-        records['state'][i] = static_state(
-            records['constants'][i], table[0], clock['speed'][i], clock['torque'][i]
-        )
-    return Motion(records, table, mesh.healthy() if profiles is None else profiles)
+    groups = [Group(ports)]
+    motion = Motion(
+        empty_records(1),
+        zones(pair, has_friction(pair, groups)),
+        packed(make_tables(pair, groups)),
+    )
+    record = motion.records[0]
+    commands, step, sampling = record['commands'], record['step'], record['sampling']
+    commands['speed'] = commands['speed_target'] = record['phase']['anchor_speed'] = run.speed
+    commands['torque'] = commands['torque_target'] = run.load_torque
+    commands['speed_limit'] = run.speed_rate_limit
+    commands['torque_limit'] = run.torque_rate_limit
+    for name in ('speed_reached', 'torque_reached', 'ports_reached'):
+        commands[name] = math.inf
+    sampling['sample_rate'] = run.sample_rate * oversampling
+    sampling['section_phase'] = run.section_phase
+    record['contact']['state'] = DRIVE if run.load_torque >= 0 else BACK
+    step['smallest'] = math.inf
+    step['length'] = -1.0
+    place_curves(unpacked(motion.ports), 0.0, 0.0)
+    set_model(motion, pair, run, drive, groups)
+    record['state'] = static_state(motion, pair)
+    return motion
 
 
-def empty_records(n: int) -> np.ndarray:
-    """Return n records of MOTION that begin at a cache line."""
-    memory = np.zeros(n * MOTION.itemsize + _CACHE_LINE, np.uint8)
-    skip = -memory.ctypes.data % _CACHE_LINE
-    return memory[skip : skip + n * MOTION.itemsize].view(MOTION)
+def set_model(
+    motion: Motion, pair: GearPair, run: RunSettings, drive: bool, groups: Sequence[Group]
+) -> None:
+    """Put constants and what depends on ports into the record of a motion."""
+    record, tables = motion.records[0], unpacked(motion.ports)
+    stiffest = _stiffest(tables)
+    record['constants'] = pack(pair, run.rtol, run.atol, drive, folded_offsets(groups), stiffest)[0]
+    step, contact = record['step'], record['contact']
+    step['ported'] = motion.ports.size > 0
+    step['pushed'] = 0
+    contact['active'] = contact['flawed'] = 0
+    record['degrees'] = -1
+    # Where a cycle begins, rounding may leave the phase just below zero.
+    begins, phase = motion.zones['begin'], record['phase']
+    phase['zone'] = max(np.searchsorted(begins, phase['phase'], side='right') - 1, 0)
+    step['unsettled'] = jumps_possible(tables)
 
 
-def static_state(p: np.void, zone: np.void, speed: float, load_torque: float) -> np.ndarray:
+def renewed(motion: Motion, pair: GearPair, run: RunSettings, drive: bool, fade: Fade) -> Motion:
+    """Return a motion that goes on from the same state with other parameters and ports."""
+    record, phase = motion.records[0], motion.records[0]['phase']
+    motion = Motion(
+        motion.records,
+        zones(pair, has_friction(pair, fade.groups)),
+        packed(make_tables(pair, fade.groups, fade.begin, fade.duration)),
+    )
+    time = elapsed(record)
+    place_curves(unpacked(motion.ports), float(phase['cycle'] + phase['phase']), time)
+    set_model(motion, pair, run, drive, fade.groups)
+    left = fade.begin + fade.duration - time
+    record['commands']['ports_reached'] = record['step']['begin'] + left if left > 0 else math.inf
+    record['step']['unsettled'] = 1
+    return motion
+
+
+@kernel
+def place_all_contacts(records):
+    """Set the contact states that belong to the present states, at mesh phase 0, pairs alike."""
+    for i in range(records.size):
+        motion = records[i]
+        expand_own_error(motion)
+        place_contact(motion)
+
+
+def _stiffest(tables: Tables) -> float:
+    """Return a bound of a tooth pair's stiffness over the nominal one."""
+    rows = np.maximum(tables.pieces['coefficients'][:, PAIR_STIFFNESS], 0.0).sum(axis=1)
+    return 1.0 + float(rows.max(initial=0.0))
+
+
+@kernel
+def _open(records, zones, ports):
+    motion = records[0]
+    motion.step.degree = fill_segment(motion, zones, ports)
+    expand_error(motion)
+
+
+def static_state(motion: Motion, pair: GearPair) -> np.ndarray:
     """Return the state in static balance with the load torque, at mesh phase 0, delta' = 0.
 
-    The gear's balance -T2 + rb2 F - Tf2 = 0 gives the mesh force; the pairs share it evenly.
+    Rest points, and forces and torques of ports, are not counted: they act from then on.
     """
-    flank = 1.0 if load_torque >= 0 else -1.0
-    pairs = int(zone['pairs'])
-    share = [p['mu'] * flank * zone['sliding_a'] / pairs]
-    arms = [p['arm_sum'] - p['arm1']]
-    if pairs == 2:
-        share.append(p['mu'] * flank * zone['sliding_b'] / pairs)
-        arms.append(p['arm_sum'] - p['arm1'] - p['pitch'])
-    force = load_torque / (p['rb2'] - sum(s * arm for s, arm in zip(share, arms, strict=True)))
-    friction = sum(share) * force
-    stiffness = p['k'] * (pairs if p['rectangular'] else 1)
-    error = p['e_a'] * math.sin(p['phi0'])
-    error_rate = p['e_a'] * math.cos(p['phi0']) * p['z1'] * speed
-    x1, x2 = friction / p['k1'], -friction / p['k2']
-    y1, y2 = force / p['k1'], -force / p['k2']
-    delta = flank * p['b'] + force / stiffness
+    _open(*motion)
+    record, zone = motion.records[0], motion.zones[0]
+    p, degrees, signals = record['constants'], record['degrees'], record['signals']
+    torque = float(record['commands']['torque'])
+    flank = 1.0 if torque >= 0 else -1.0
+    share = 1.0 if p['rectangular'] else 1.0 / zone['pairs']
+    mu = p['mu'] + (signals[MU, 0] if degrees[MU] >= 0 else 0.0)
+    half_backlash = p['b'] + (signals[GAP, 0] if degrees[GAP] >= 0 else 0.0)
+    pairs = []
+    for ahead, sliding in enumerate((zone['sliding_a'], zone['sliding_b'])[: zone['pairs']]):
+        own = record['pairs'][ahead, :, 0] * record['contact']['active'][0, ahead]
+        pairs.append(
+            PairInContact(
+                stiffness=p['k'] * share * (1.0 + own[PAIR_STIFFNESS]),
+                error=own[PAIR_ERROR],
+                friction=(mu + own[PAIR_FRICTION]) * flank * sliding,
+                arm2=p['arm_sum'] - p['arm1'] - ahead * p['pitch'],
+            )
+        )
     state = np.zeros(STATES)
-    state[:5] = x1, y1, x2, y2, delta - y2 + y1 + error
-    state[10] = error_rate
+    k1, k2 = (
+        float(p[name] + (signals[row, 0] if degrees[row] >= 0 else 0.0))
+        for name, row in (('k1', SUPPORT_K), ('k2', SUPPORT_K + 1))
+    )
+    state[:COORDINATES] = static_equilibrium(
+        pairs, torque, float(half_backlash), pair.derived.gear_base_radius, (k1, k2)
+    )
+    state[PSI] += record['error'][0, 0]
+    # In the order of a literal e', which a series would round otherwise.
+    rate = p['e_a'] * math.cos(p['phi0']) * p['z1'] * record['commands']['speed']
+    state[VELOCITY + PSI] = rate + (signals[ERROR, 1] if degrees[ERROR] > 0 else 0.0)
     return state

@@ -14,11 +14,13 @@ from gear_dynamics.integrator.layout import (
     AY2,
     DELTA,
     DELTA_VALUE,
+    DRIVE_SIGNAL,
     DRIVE_TORQUE,
     FORCE,
     FRICTION,
     GEAR_SPEED,
     LOAD,
+    LOAD_SIGNAL,
     PSI,
     PSI_VALUE,
     Q_SUM_VALUE,
@@ -28,7 +30,6 @@ from gear_dynamics.integrator.layout import (
     SEG_FORCE,
     SEG_FRICTION,
     SPEED,
-    WIDTH,
     X1,
     X2,
     Y1,
@@ -43,9 +44,9 @@ TURN = 2 * math.pi
 
 
 @kernel
-def time_of_sample(clock, sample):
+def time_of_sample(motion, sample):
     """Return the instant of a sample [s since origin]."""
-    return (sample - clock.origin) / clock.sample_rate
+    return (sample - motion.sampling.origin) / motion.sampling.sample_rate
 
 
 @kernel
@@ -54,7 +55,7 @@ def operate(segment, row, degree, t, delta, delta_dot):
     if degree == 0:
         return segment[row, 0] * delta + segment[row + 1, 0] * delta_dot + segment[row + 2, 0]
     stiffness = damping = offset = 0.0
-    for j in range(WIDTH - 1, -1, -1):
+    for j in range(degree, -1, -1):
         stiffness = stiffness * t + segment[row, j]
         damping = damping * t + segment[row + 1, j]
         offset = offset * t + segment[row + 2, j]
@@ -77,15 +78,15 @@ def write_due_samples(motion, whole_every, out, first):
     Time, angles, load torque and, where `out` has room for it, what the shafts do besides are
     written of every `whole_every`-th sample, a power of two. Return how many were written.
     """
-    p, clock, values = motion.constants, motion.clock, motion.values
+    p, step, values = motion.constants, motion.step, motion.values
     count = _place_times(motion, out.shape[0] - first)
-    if not clock.rated:
+    if not step.rated:
         fill_rates(motion.series, motion.rates)
-        clock.rated = 1
+        step.rated = 1
     fill_values(motion.series, motion.rates, motion.times, values)
     # Into locals, since a store into `out` might otherwise be taken to change them.
-    degree, segment, th1_psi = clock.degree, motion.segment, p.th1_psi
-    sample, speed, accel = clock.sample, clock.speed, clock.accel
+    degree, segment, th1_psi = step.degree, motion.segment, p.th1_psi
+    sample, speed, accel = motion.sampling.sample, motion.commands.speed, motion.commands.accel
     force_k, force_c, force_o = segment[0, 0], segment[1, 0], segment[2, 0]
     rub_k, rub_c, rub_o = segment[3, 0], segment[4, 0], segment[5, 0]
     for i in range(count):
@@ -104,37 +105,51 @@ def write_due_samples(motion, whole_every, out, first):
         out[row, SPEED] = speed + accel * tau + values[Q, i] + th1_psi * values[PSI, i]
         if (sample + i) & (whole_every - 1) == 0:
             _write_shafts(motion, i, out, row)
-    clock.sample += count
+    motion.sampling.sample += count
     return count
 
 
 @kernel
 def _place_times(motion, room):
     """Put the times [s] of the next eight samples into the step; return how many are in it."""
-    clock, times = motion.clock, motion.times
-    begin, end, sample = clock.begin, clock.begin + clock.length, clock.sample
+    times, begin, sample = motion.times, motion.step.begin, motion.sampling.sample
+    end = begin + motion.step.length
     count = 0
     for i in range(LANES):
-        instant = time_of_sample(clock, sample + i)
+        instant = time_of_sample(motion, sample + i)
         count += instant < end
         times[i] = instant - begin
     return min(count, room)
 
 
 @kernel
+def _signal_at(motion, row, t):
+    """Return the value of a signal at t [s] into the step."""
+    value = 0.0
+    for k in range(motion.degrees[row], -1, -1):
+        value = value * t + motion.signals[row, k]
+    return value
+
+
+@kernel
 def _write_shafts(motion, i, out, row):
     """Write time, angles, load torque and, where there is room, what the shafts do besides."""
-    p, clock, values, tau = motion.constants, motion.clock, motion.values, motion.times[i]
-    speed, accel = clock.speed, clock.accel
+    p, commands, phase = motion.constants, motion.commands, motion.phase
+    values, tau = motion.values, motion.times[i]
+    speed, accel = commands.speed, commands.accel
     psi, q, psi_dot, q_dot = values[PSI_VALUE, i], values[Q_VALUE, i], values[PSI, i], values[Q, i]
-    now = clock.phase + tau / p.tooth1 * (speed + 0.5 * accel * tau)
-    load = clock.torque + clock.torque_rate * tau
-    out[row, T] = (clock.sample + i) / clock.sample_rate
-    out[row, ANGLE1] = _within_turn(p.tooth1 * (clock.tooth1 + now) + q + p.th1_psi * psi)
-    out[row, ANGLE2] = _within_turn(p.tooth2 * (clock.tooth2 + now) + p.ratio * q - p.th2_psi * psi)
+    now = phase.phase + tau / p.tooth1 * (speed + 0.5 * accel * tau)
+    load = commands.torque + commands.torque_rate * tau
+    out[row, T] = (motion.sampling.sample + i) / motion.sampling.sample_rate
+    out[row, ANGLE1] = _within_turn(p.tooth1 * (phase.tooth1 + now) + q + p.th1_psi * psi)
+    out[row, ANGLE2] = _within_turn(p.tooth2 * (phase.tooth2 + now) + p.ratio * q - p.th2_psi * psi)
     out[row, LOAD] = load
+    if motion.step.ported:
+        out[row, LOAD] += _signal_at(motion, LOAD_SIGNAL, tau)
     if out.shape[1] > DRIVE_TORQUE:
         turning = speed + accel * tau + q_dot
         control = p.kd * q + p.cd * q_dot + p.ki * values[Q_SUM_VALUE, i] if p.drive else 0.0
         out[row, GEAR_SPEED] = p.ratio * turning - p.th2_psi * psi_dot
         out[row, DRIVE_TORQUE] = p.ratio * load + p.inertia_t * accel - control
+        if motion.step.ported:
+            out[row, DRIVE_TORQUE] += _signal_at(motion, DRIVE_SIGNAL, tau)

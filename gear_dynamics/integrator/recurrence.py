@@ -177,6 +177,38 @@ def begin_series(typing_context, state, error, series):
     return types.void(state, error, series), generate
 
 
+def _generate_orders(context: Any, builder: Any, kinds: Any, arguments: Any, pushed: bool) -> Any:
+    """Generate the code of `fill_orders` or `fill_pushed_orders`."""
+    data = _data_of_arrays(context, builder, kinds, arguments)
+    answer_data, segment_data, state_data, error_data, *push_data, series_data = data
+    terms = _terms(builder, answer_data, segment_data)
+    grows = [builder.fmul(terms.to_moment, spread(builder, value)) for value in arguments[4:6]]
+    loads = [spread(builder, value) for value in arguments[6:8]]
+    to_load = _answers(builder, answer_data, TO_LOAD)
+    offsets = _folded(builder, answer_data, segment_data, 2)
+    rub_k, rub_c, rub_o = (
+        spread(builder, number_at(builder, segment_data, WIDTH * (SEG_FRICTION + row)))
+        for row in range(3)
+    )
+    orders = _first_orders(builder, state_data, error_data)
+    friction: list[Any] = []
+    for k in range(ROWS - 2):
+        now, following = orders[k], orders[k + 1]
+        more = [(offsets, vector_of(1.0))] if k == 0 else []
+        more += [(to_load, loads[k])] if k < 2 else []
+        more += [(vector_of(1.0), load(builder, push_data[0], LANES * k))] if pushed else []
+        more += [(grows[j], friction[k - 1 - j]) for j in (1, 0) if k - 1 - j >= 0]
+        weights = vector_of(1 / (k + 2)), vector_of(1 / ((k + 1) * (k + 2)))
+        row = _following(builder, terms, weights, now, following, more)
+        rubs = multiply_add(builder, rub_k, now.delta, rub_o if k == 0 else None)
+        damping = builder.fmul(rub_c, vector_of(k + 1.0))
+        friction.append(multiply_add(builder, damping, following.delta, rubs))
+        orders.append(_order(builder, row, number_at(builder, error_data, k + 2)))
+    for k, order in enumerate(orders):
+        _store_order(builder, order, series_data, LANES * k)
+    return context.get_dummy_value()
+
+
 @intrinsic
 def fill_orders(
     typing_context, answers, segment, state, error, travel, travel_rate, torque, torque_rate, series
@@ -189,33 +221,7 @@ def fill_orders(
     """
 
     def generate(context, builder, signature, arguments):
-        data = _data_of_arrays(context, builder, signature.args, arguments)
-        answer_data, segment_data, state_data, error_data, series_data = data
-        terms = _terms(builder, answer_data, segment_data)
-        grows = [builder.fmul(terms.to_moment, spread(builder, value)) for value in arguments[4:6]]
-        loads = [spread(builder, value) for value in arguments[6:8]]
-        to_load = _answers(builder, answer_data, TO_LOAD)
-        offsets = _folded(builder, answer_data, segment_data, 2)
-        rub_k, rub_c, rub_o = (
-            spread(builder, number_at(builder, segment_data, WIDTH * (SEG_FRICTION + row)))
-            for row in range(3)
-        )
-        orders = _first_orders(builder, state_data, error_data)
-        friction: list[Any] = []
-        for k in range(ROWS - 2):
-            now, following = orders[k], orders[k + 1]
-            more = [(offsets, vector_of(1.0))] if k == 0 else []
-            more += [(to_load, loads[k])] if k < 2 else []
-            more += [(grows[j], friction[k - 1 - j]) for j in (1, 0) if k - 1 - j >= 0]
-            weights = vector_of(1 / (k + 2)), vector_of(1 / ((k + 1) * (k + 2)))
-            row = _following(builder, terms, weights, now, following, more)
-            rubs = multiply_add(builder, rub_k, now.delta, rub_o if k == 0 else None)
-            damping = builder.fmul(rub_c, vector_of(k + 1.0))
-            friction.append(multiply_add(builder, damping, following.delta, rubs))
-            orders.append(_order(builder, row, number_at(builder, error_data, k + 2)))
-        for k, order in enumerate(orders):
-            _store_order(builder, order, series_data, LANES * k)
-        return context.get_dummy_value()
+        return _generate_orders(context, builder, signature.args, arguments, False)
 
     signature = types.void(
         answers, segment, state, error, travel, travel_rate, torque, torque_rate, series
@@ -224,16 +230,44 @@ def fill_orders(
 
 
 @intrinsic
-def fill_order(typing_context, answers, segment, error, k, weights, forced, series):
+def fill_pushed_orders(
+    typing_context,
+    answers,
+    segment,
+    state,
+    error,
+    travel,
+    travel_rate,
+    torque,
+    torque_rate,
+    push,
+    series,
+):
+    """Fill a series as `fill_orders` does, with accelerations besides.
+
+    push : (ROWS, 8) array, the series of these accelerations.
+    """
+
+    def generate(context, builder, signature, arguments):
+        return _generate_orders(context, builder, signature.args, arguments, True)
+
+    signature = types.void(
+        answers, segment, state, error, travel, travel_rate, torque, torque_rate, push, series
+    )
+    return signature, generate
+
+
+@intrinsic
+def fill_order(typing_context, answers, segment, error, k, weights, forced, push, series):
     """Fill row k + 2 of a series whose rows before are there.
 
     weights : (2,) array of u and w of order k; forced : (4,) array of mesh force, friction force,
     moment and load side torque of order k, but for what the segment's stiffness and damping of
-    order 0 add. The others are as in `fill_orders`.
+    order 0 add. The others are as in `fill_pushed_orders`.
     """
 
     def generate(context, builder, signature, arguments):
-        answer_data, segment_data, error_data, weight_data, forced_data, series_data = (
+        answer_data, segment_data, error_data, weight_data, forced_data, push_data, series_data = (
             _data_of_arrays(context, builder, signature.args, arguments)
         )
         terms = _terms(builder, answer_data, segment_data)
@@ -250,10 +284,11 @@ def fill_order(typing_context, answers, segment, error, k, weights, forced, seri
                 strict=True,
             )
         ]
+        more.append((vector_of(1.0), load(builder, push_data, ahead(builder, first, LANES, 0))))
         weighed = tuple(spread(builder, number_at(builder, weight_data, j)) for j in range(2))
         row = _following(builder, terms, weighed, orders[0], orders[1], more)
         made = _order(builder, row, number_at(builder, error_data, ahead(builder, first, 1, 2)))
         _store_order(builder, made, series_data, ahead(builder, first, LANES, 2 * LANES))
         return context.get_dummy_value()
 
-    return types.void(answers, segment, error, k, weights, forced, series), generate
+    return types.void(answers, segment, error, k, weights, forced, push, series), generate

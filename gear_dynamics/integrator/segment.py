@@ -7,35 +7,36 @@ the pairs each is stiffness(t) x + damping(t) x' + offset(t): three rows of a se
 
 from __future__ import annotations
 
-from gear_dynamics.integrator.contact import GAP
+from gear_dynamics.integrator.contact import GAP as IN_GAP
 from gear_dynamics.integrator.kernel import kernel
 from gear_dynamics.integrator.layout import (
+    GAP,
+    MU,
+    PAIR_DAMPING,
+    PAIR_ERROR,
+    PAIR_FRICTION,
+    PAIR_STIFFNESS,
     SEG_FORCE,
     SEG_FRICTION,
     SEG_MOMENT,
-    SEG_PAIR,
     WIDTH,
 )
-from gear_dynamics.integrator.profile import fill_profiled_pair, has_profile
+from gear_dynamics.integrator.polynomial import add_product, add_scaled, differentiate
+from gear_dynamics.integrator.signals import fill_signals
+from gear_dynamics.integrator.tables import unpack
+from gear_dynamics.integrator.tooth_pairs import look_up
 
-
-@kernel
-def _add_pair(segment, friction, moment):
-    """Add the rows of the pair's own stiffness, damping and offset to the sums."""
-    for j in range(WIDTH):
-        for row in range(3):
-            value = segment[SEG_PAIR + row, j]
-            segment[SEG_FORCE + row, j] += value
-            segment[SEG_FRICTION + row, j] += friction * value
-            segment[SEG_MOMENT + row, j] += moment * value
+_STIFFNESS, _DAMPING, _LIFT, _RATE, _FRICTION, _OFFSET = range(6)
+"""Rows of the scratch, of one tooth pair: k_i, c_i, e_i + flank b and its rate, flank lambda mu_i,
+and the offset of the force."""
 
 
 @kernel
 def _pair_forces(p, zone, contact):
-    """Return stiffness and damping of each tooth pair in the zone."""
+    """Return stiffness and damping of each tooth pair in the zone, without deviations."""
     share = 1.0 if p.rectangular else 1.0 / zone.pairs
-    stiffness = p.k * share if contact != GAP else 0.0
-    damping = p.c * share if contact != GAP or p.damping_in_gap else 0.0
+    stiffness = p.k * share if contact != IN_GAP else 0.0
+    damping = p.c * share if contact != IN_GAP or p.damping_in_gap else 0.0
     return stiffness, damping
 
 
@@ -47,16 +48,44 @@ def _fill_rows(segment, row, factor, stiffness, damping, offset):
 
 
 @kernel
-def fill_segment(motion, zone, profiles):
-    """Fill the segment of the step that begins now; return the degree of its polynomials."""
-    if profiles.size > 0:
-        return _fill_profiled(motion, zone, profiles)
-    # Healthy pairs have the same delta_i, and so the same contact state.
-    p, clock, segment = motion.constants, motion.clock, motion.segment
-    contact = clock.contact_a
+def fill_segment(motion, zones, ports):
+    """Fill signals and segment of the step that begins now; return the segment's degree."""
+    zone = zones[motion.phase.zone]
+    motion.step.edge = zone.end
+    if not motion.step.ported:
+        return _fill_healthy(motion, zone)
+    tables = unpack(ports)
+    fill_signals(motion, tables)
+    look_up(motion, tables, zone.pairs)
+    return fill_mesh(motion, zone)
+
+
+@kernel
+def fill_mesh(motion, zone):
+    """Fill the segment by the present contact states; return its degree.
+
+    The signals and the deviations of the tooth pairs must be there.
+    """
+    contact, degrees = motion.contact, motion.degrees
+    alike = zone.pairs == 1 or contact.state[0, 0] == contact.state[0, 1]
+    deviates = contact.active[0, 0] or (zone.pairs == 2 and contact.active[0, 1])
+    if not motion.step.ported or (alike and not deviates and degrees[GAP] < 0 and degrees[MU] < 0):
+        return _fill_healthy(motion, zone)
+    degree = 0
+    motion.segment[:] = 0.0
+    for ahead in range(zone.pairs):
+        degree = max(degree, _add_pair(motion, zone, ahead))
+    return degree
+
+
+@kernel
+def _fill_healthy(motion, zone):
+    """Fill the segment with pairs that have the same delta_i, and so the same contact state."""
+    p, segment, phase = motion.constants, motion.segment, motion.phase.phase
+    contact = motion.contact.state[0, 0]
     stiffness, damping = _pair_forces(p, zone, contact)
     offset = -stiffness * contact * p.b
-    arm = p.arm1 + clock.phase * p.pitch
+    arm = p.arm1 + phase * p.pitch
     friction = p.mu * contact * (zone.sliding_a + zone.sliding_b)
     moment = p.mu * contact * (zone.sliding_a * arm + zone.sliding_b * (arm + p.pitch))
     _fill_rows(segment, SEG_FORCE, float(zone.pairs), stiffness, damping, offset)
@@ -66,20 +95,51 @@ def fill_segment(motion, zone, profiles):
 
 
 @kernel
-def _fill_profiled(motion, zone, profiles):
-    """Fill the segment with pairs that have profiles, each with a contact state of its own."""
-    p, clock, segment = motion.constants, motion.clock, motion.segment
+def _fill_pair(motion, zone, ahead):
+    """Fill the scratch with the polynomials of one tooth pair; return their degrees."""
+    p, degrees, signals, s = motion.constants, motion.degrees, motion.signals, motion.scratch
+    flank = motion.contact.state[0, ahead]
+    sliding = zone.sliding_a if ahead == 0 else zone.sliding_b
+    stiffness, damping = _pair_forces(p, zone, flank)
+    s[_STIFFNESS, 0], s[_DAMPING, 0] = stiffness, damping
+    s[_LIFT, 0], s[_FRICTION, 0] = flank * p.b, flank * sliding * p.mu
+    k = c = lift = mu = 0
+    mu = add_scaled(s[_FRICTION], mu, signals[MU], degrees[MU], flank * sliding * 1.0, 0.0, WIDTH)
+    if not p.damping_in_gap:
+        lift = add_scaled(s[_LIFT], lift, signals[GAP], degrees[GAP], flank * 1.0, 0.0, WIDTH + 1)
+    if motion.contact.active[0, ahead]:
+        own, degree = motion.pairs[ahead], motion.pair_degree[ahead]
+        k = add_scaled(s[_STIFFNESS], k, own[PAIR_STIFFNESS], degree, stiffness, 0.0, WIDTH)
+        c = add_scaled(s[_DAMPING], c, own[PAIR_DAMPING], degree, damping, 0.0, WIDTH)
+        mu = add_scaled(
+            s[_FRICTION], mu, own[PAIR_FRICTION], degree, flank * sliding * 1.0, 0.0, WIDTH
+        )
+        if motion.contact.flawed[0, ahead]:
+            lift = add_scaled(s[_LIFT], lift, own[PAIR_ERROR], degree, 1.0, 0.0, WIDTH + 1)
+    rate = differentiate(s[_LIFT], lift, s[_RATE])
+    if p.damping_in_gap:
+        # The damper then knows nothing of the edges, and so nothing of their motion.
+        lift = add_scaled(s[_LIFT], lift, signals[GAP], degrees[GAP], flank * 1.0, 0.0, WIDTH + 1)
+    return k, c, lift, rate, mu
+
+
+@kernel
+def _add_pair(motion, zone, ahead):
+    """Add one tooth pair to the segment; return the degree of what it adds."""
+    p, segment, s = motion.constants, motion.segment, motion.scratch
+    k, c, lift, rate, mu = _fill_pair(motion, zone, ahead)
+    offset = add_product(s[_OFFSET], -1, s[_STIFFNESS], k, s[_LIFT], lift, -1.0, WIDTH)
+    offset = add_product(s[_OFFSET], offset, s[_DAMPING], c, s[_RATE], rate, -1.0, WIDTH)
+    arm = p.arm1 + (motion.phase.phase + ahead) * p.pitch
     degree = 0
-    segment[:] = 0.0
-    for ahead in range(zone.pairs):
-        contact = clock.contact_a if ahead == 0 else clock.contact_b
-        sliding = zone.sliding_a if ahead == 0 else zone.sliding_b
-        stiffness, damping = _pair_forces(p, zone, contact)
-        friction = p.mu * sliding * contact
-        moment = friction * (p.arm1 + (clock.phase + ahead) * p.pitch)
-        segment[SEG_PAIR:] = 0.0
-        if has_profile(p, clock, zone, profiles, ahead):
-            degree = WIDTH - 1
-        fill_profiled_pair(motion, zone, profiles, ahead, stiffness, damping, contact)
-        _add_pair(segment, friction, moment)
+    for row in range(3):
+        source = _STIFFNESS if row == 0 else _DAMPING if row == 1 else _OFFSET
+        size = k if row == 0 else c if row == 1 else offset
+        for j in range(size + 1):
+            segment[SEG_FORCE + row, j] += s[source, j]
+        for to, factor in ((SEG_FRICTION, 1.0), (SEG_MOMENT, arm)):
+            add_product(
+                segment[to + row], WIDTH - 1, s[_FRICTION], mu, s[source], size, factor, WIDTH
+            )
+        degree = max(degree, min(mu + size, WIDTH - 1))
     return degree

@@ -15,15 +15,25 @@ from gear_dynamics.integrator.kernel import kernel
 from gear_dynamics.integrator.lanes import largest, rough_log2
 from gear_dynamics.integrator.layout import (
     DELTA,
+    ERROR,
     ORDER,
+    PSI,
     ROWS,
     SEG_FORCE,
     SEG_FRICTION,
     SEG_MOMENT,
-    WIDTH,
+    VELOCITY,
+    Y1,
+    Y2,
 )
 from gear_dynamics.integrator.polynomials import advance_columns
-from gear_dynamics.integrator.recurrence import begin_series, fill_order, fill_orders
+from gear_dynamics.integrator.recurrence import (
+    begin_series,
+    fill_order,
+    fill_orders,
+    fill_pushed_orders,
+)
+from gear_dynamics.integrator.signals import SUPPORTS_CHANGE, add_support_changes
 
 _INVERSE = 1.0 / np.arange(1, ORDER + 3)
 _WEIGHTS = np.stack([_INVERSE[1:], _INVERSE[1:] * _INVERSE[:-1]], axis=1)
@@ -32,10 +42,19 @@ _WEIGHTS = np.stack([_INVERSE[1:], _INVERSE[1:] * _INVERSE[:-1]], axis=1)
 @kernel
 def expand_error(motion):
     """Fill row 0 of the error with the series of e(phi) from the present instant on."""
-    p, clock, e = motion.constants, motion.clock, motion.error
-    phase, speed, accel = clock.phase, clock.speed, clock.accel
-    angle = 2 * math.pi * phase + p.phi0
-    rate, ramp = p.z1 * speed, p.z1 * accel
+    expand_own_error(motion)
+    if motion.step.ported:
+        added, degree = motion.signals[ERROR], motion.degrees[ERROR]
+        for k in range(degree + 1):
+            motion.error[0, k] += added[k]
+
+
+@kernel
+def expand_own_error(motion):
+    """Fill row 0 of the error with the series of the pair's own transmission error."""
+    p, commands, e = motion.constants, motion.commands, motion.error
+    angle = 2 * math.pi * motion.phase.phase + p.phi0
+    rate, ramp = p.z1 * commands.speed, p.z1 * commands.accel
     sine, cosine = p.e_a * math.sin(angle), p.e_a * math.cos(angle)
     if ramp == 0.0:
         for k in range(ROWS):
@@ -53,67 +72,92 @@ def expand_error(motion):
 
 
 @kernel
-def _higher_orders(segment, row, k, series):
+def _higher_orders(segment, degree, row, k, series):
     """Return what the segment's offset and its orders above 0 add to order k of a force."""
-    total = segment[row + 2, k] if k < WIDTH else 0.0
-    for j in range(1, min(k, WIDTH - 1) + 1):
+    total = segment[row + 2, k] if k <= degree else 0.0
+    for j in range(1, min(k, degree) + 1):
         total += segment[row, j] * series[k - j, DELTA]
         total += segment[row + 1, j] * (k - j + 1) * series[k - j + 1, DELTA]
     return total
 
 
 @kernel
-def _expand_profiled(motion, travel, travel_rate, torque, torque_rate):
-    """Fill the series from row 2 on, where the mesh's coefficients are polynomials in time."""
-    p, e, segment = motion.constants, motion.error, motion.segment
-    series, forced = motion.series, motion.forced
+def _expand_by_orders(motion, own, pushed, travel, travel_rate, torque, torque_rate):
+    """Fill the series from row 2 on, where coefficients are polynomials in time."""
+    p, degree, forced = motion.constants, motion.step.degree, motion.forced
+    segment, e, series, push = own.segment, own.error, own.series, own.push
     friction_1 = friction_2 = 0.0
     for k in range(ROWS - 2):
-        forced[0] = _higher_orders(segment, SEG_FORCE, k, series)
-        forced[1] = _higher_orders(segment, SEG_FRICTION, k, series)
-        forced[2] = _higher_orders(segment, SEG_MOMENT, k, series)
+        forced[0] = _higher_orders(segment, degree, SEG_FORCE, k, series)
+        forced[1] = _higher_orders(segment, degree, SEG_FRICTION, k, series)
+        forced[2] = _higher_orders(segment, degree, SEG_MOMENT, k, series)
         forced[2] += travel * friction_1 + travel_rate * friction_2
         forced[3] = torque if k == 0 else torque_rate if k == 1 else 0.0
         friction = segment[SEG_FRICTION, 0] * series[k, DELTA]
         friction += segment[SEG_FRICTION + 1, 0] * (k + 1) * series[k + 1, DELTA]
         friction_1, friction_2 = friction + forced[1], friction_1
-        fill_order(p.answers, segment, e, k, _WEIGHTS[k], forced, series)
+        if pushed == SUPPORTS_CHANGE:
+            add_support_changes(motion, own, k)
+        fill_order(p.answers, segment, e, k, _WEIGHTS[k], forced, push, series)
+
+
+@kernel
+def arm_growth(motion):
+    """Return v and w of the growth v t + w t^2 of the arms [m/s, m/s2]."""
+    p, commands = motion.constants, motion.commands
+    turn = p.pitch * p.z1 / (2 * math.pi)
+    return turn * commands.speed, 0.5 * turn * commands.accel
 
 
 @kernel
 def expand(motion):
     """Fill the series with the Taylor series of the motion from the present state on.
 
-    The transmission error's series and the segment of the step must be there.
+    The transmission error's series, the segment and the push of the step must be there.
     """
-    p, clock, y = motion.constants, motion.clock, motion.state
-    series, error = motion.series, motion.error
-    # The arms grow by travel t + travel_rate t^2.
-    turn = p.pitch * p.z1 / (2 * math.pi)
-    clock.travel, travel_rate = turn * clock.speed, 0.5 * turn * clock.accel
+    p, commands, step = motion.constants, motion.commands, motion.step
+    step.travel, travel_rate = arm_growth(motion)
     # On the load side, with what accelerates the gear there.
-    torque = clock.torque + p.ratio * p.inertia2 * clock.accel
-    if clock.degree == 0:
-        fill_orders(
-            p.answers,
-            motion.segment,
-            y,
-            error,
-            clock.travel,
-            travel_rate,
-            torque,
-            clock.torque_rate,
-            series,
-        )
+    torque = commands.torque + p.ratio * p.inertia2 * commands.accel
+    if step.degree > 0 and not step.pushed:
+        motion.push[:] = 0.0
+    rate = commands.torque_rate
+    expand_linear(motion, motion, step.pushed, step.travel, travel_rate, torque, rate)
+
+
+@kernel
+def expand_linear(motion, own, pushed, travel, travel_rate, torque, torque_rate):
+    """Fill the series of a motion or of a tangent vector.
+
+    own : a record with state, error, segment, push, supports and series
+        The motion's own, or those of a tangent vector.
+    pushed : int
+        As `step.pushed`.
+    """
+    answers = motion.constants.answers
+    if motion.step.degree > 0 or pushed == SUPPORTS_CHANGE:
+        begin_series(own.state, own.error, own.series)
+        _expand_by_orders(motion, own, pushed, travel, travel_rate, torque, torque_rate)
         return
-    begin_series(y, error, series)
-    _expand_profiled(motion, clock.travel, travel_rate, torque, clock.torque_rate)
+    loads = (travel, travel_rate, torque, torque_rate)
+    if pushed:
+        fill_pushed_orders(answers, own.segment, own.state, own.error, *loads, own.push, own.series)
+    else:
+        fill_orders(answers, own.segment, own.state, own.error, *loads, own.series)
 
 
 @kernel
 def advance_state(motion, t):
     """Replace the state at the beginning of the series by that at time t."""
     advance_columns(motion.series, t, motion.state)
+
+
+@kernel
+def apart(state, error):
+    """Return delta and its rate by a state and the transmission error, row 0 of `error`."""
+    delta = state[Y2] - state[Y1] + state[PSI] - error[0, 0]
+    y = VELOCITY
+    return delta, state[y + Y2] - state[y + Y1] + state[y + PSI] - error[0, 1]
 
 
 @kernel

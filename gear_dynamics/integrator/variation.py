@@ -1,14 +1,15 @@
-"""Small variations of the reduced motion: how motions from nearby states part.
+"""Tangent vectors of the reduced motion: how motions from nearby states part.
 
-Between events the equations of docs/model.md are linear, so that a variation obeys them without
-load, transmission error and offsets, and its Taylor series follows by the same recurrences. Where
-contact changes, a variation jumps by the saltation matrix I + (f+ - f-) n' / (n' f-) (Mueller
+Between events the equations of docs/model.md are linear, so that a tangent vector obeys them
+without load, transmission error and offsets: its Taylor series is the motion's own, see `series`.
+Where contact changes, it jumps by the saltation matrix I + (f+ - f-) n' / (n' f-) (Mueller
 1995, Calculation of Lyapunov exponents for dynamic systems with discontinuities). The spring force
-is zero at the edge and n' f- is delta' itself, so that f+ - f- is delta' times the jump of the
-damping, and delta' cancels: grazing contact is no special case. Changes of stiffness and of the
-sliding direction come at known times and leave a variation as it is.
+is zero at the edge and n' f- is the rate at which the flanks approach; f+ - f- is that rate times
+the jump of the damping, so that it cancels: grazing contact is no special case. Changes of
+stiffness, of the sliding direction and of flank errors come at known times and leave a tangent
+vector as it is.
 
-A variation is x1, y1, x2, y2, psi [m] and their velocities over wn [m], one a row.
+A tangent vector is x1, y1, x2, y2, psi [m] and their velocities over wn [m], one a row.
 """
 
 from __future__ import annotations
@@ -16,130 +17,184 @@ from __future__ import annotations
 import math
 
 from gear_dynamics.integrator.kernel import kernel
-from gear_dynamics.integrator.layout import ORDER, SEG_FORCE, SEG_FRICTION, SEG_MOMENT
+from gear_dynamics.integrator.layout import (
+    PSI,
+    SEG_FORCE,
+    SEG_FRICTION,
+    SEG_MOMENT,
+    SEGMENT,
+    SUPPORT_C,
+    SUPPORT_K,
+    SUPPORTED,
+    VELOCITY,
+    Y1,
+    Y2,
+)
+from gear_dynamics.integrator.polynomials import advance_columns
+from gear_dynamics.integrator.recurrence import DAMPING, TO_FORCE, TO_FRICTION, TO_MOMENT
+from gear_dynamics.integrator.series import arm_growth, expand_linear, polynomial
+from gear_dynamics.integrator.signals import SUPPORTS_CHANGE
 
-VARIED = 10
-"""Numbers in a variation of the reduced motion."""
+_BODIES = 5
+"""Coordinates of the reduced form: x1, y1, x2, y2, psi."""
 
+VARIED = 2 * _BODIES
+"""Numbers in a tangent vector."""
 
 _LONGEST = 5.0
 """Radians of the fastest mode that a series spans: 5^28 / 28! is 1e-10."""
 
 
 @kernel
-def advance_variations(p, segment, travel, h, vectors):
-    """Advance each row of `vectors` over a step of h seconds at constant speed.
+def advance_vectors(motion, vectors):
+    """Advance each row of `vectors` over the present step, and add up what diverges in it.
 
-    The step of the motion itself may be too long for a variation: a mode that the motion does not
-    excite needs no short steps there. It is split by an upper bound of the frequencies.
+    The step of the motion itself may be too long for a tangent vector: a mode that the motion does
+    not excite needs no short steps there. It is split by an upper bound of the frequencies.
 
-    Parameters
-    ----------
-    p : record of CONSTANTS
-    segment : (SEGMENT, WIDTH) array
-        Of the step, of degree 0.
-    travel : float
-        Rate at which the arms grow [m/s].
-    h : float
-        [s].
-    vectors : (k, VARIED) array
+    Returns the integral over the step of the trace of the equations' Jacobian. Contact events add
+    nothing to it: the determinant of their saltation matrix is n' f+ / (n' f-) = 1.
     """
-    square = max(p.k1 / p.m1, p.k2 / p.m2)
-    square += segment[SEG_FORCE, 0] * (1 / p.m1 + 1 / p.m2 + 1 / p.me)
-    parts = int(h * math.sqrt(square) / _LONGEST) + 1
-    for part in range(parts):
-        _advance_part(p, segment, travel, part * h / parts, h / parts, vectors)
+    h = motion.step.length
+    if h <= 0:
+        return 0.0
+    parts = int(h * _fastest(motion, h) / _LONGEST) + 1
+    _take_segment(motion)
+    travel, travel_rate = arm_growth(motion)
+    part = h / parts
+    divergence = 0.0
+    for i in range(parts):
+        divergence += _divergence(motion, part, travel, travel_rate)
+        for row in range(vectors.shape[0]):
+            _advance_vector(motion, part, travel, travel_rate, vectors[row])
+        if i + 1 < parts:
+            _shift(motion, part, travel, travel_rate)
+            travel += 2 * travel_rate * part
+    return divergence
 
 
 @kernel
-def _advance_part(p, segment, travel, since, h, vectors):
-    """Advance over h seconds of the step, `since` its beginning.
-
-    Series are in t / h, so that they sum to the values at the end.
-    """
-    square = h * h
-    c1, k1, c2, k2 = p.c1 / p.m1 * h, p.k1 / p.m1 * square, p.c2 / p.m2 * h, p.k2 / p.m2 * square
-    by_m1, by_m2, by_me = square / p.m1, square / p.m2, square / p.me
-    psi_1, psi_2 = p.rb1 / p.inertia1 * square, p.rb2 / p.inertia2 * square
-    force_k, force_c = segment[SEG_FORCE, 0], segment[SEG_FORCE + 1, 0] / h
-    rub_k, rub_c = segment[SEG_FRICTION, 0], segment[SEG_FRICTION + 1, 0] / h
-    turn_k = segment[SEG_MOMENT, 0] + travel * since * rub_k
-    turn_c = segment[SEG_MOMENT + 1, 0] / h + travel * since * rub_c
-    rubs, shift, rate = p.mu > 0, travel * h, p.wn * h
-    for row in range(vectors.shape[0]):
-        v = vectors[row]
-        x1, y1, x2, y2, psi = v[0], v[1], v[2], v[3], v[4]
-        x1n, y1n, x2n, y2n, psin = v[5] * rate, v[6] * rate, v[7] * rate, v[8] * rate, v[9] * rate
-        friction = torque1 = torque2 = 0.0
-        sx1, sy1, sx2, sy2, spsi = x1, y1, x2, y2, psi
-        tx1 = ty1 = tx2 = ty2 = tpsi = 0.0
-        for k in range(ORDER):
-            order = k + 1.0
-            sx1 += x1n
-            sy1 += y1n
-            sx2 += x2n
-            sy2 += y2n
-            spsi += psin
-            vx1, vy1, vx2, vy2, vpsi = (
-                order * x1n,
-                order * y1n,
-                order * x2n,
-                order * y2n,
-                order * psin,
-            )
-            tx1 += vx1
-            ty1 += vy1
-            tx2 += vx2
-            ty2 += vy2
-            tpsi += vpsi
-            delta, delta_dot = y2 - y1 + psi, vy2 - vy1 + vpsi
-            force = force_k * delta + force_c * delta_dot
-            if rubs:
-                before = friction
-                friction = rub_k * delta + rub_c * delta_dot
-                torque1 = turn_k * delta + turn_c * delta_dot + shift * before
-                torque2 = p.arm_sum * friction - torque1
-            twice = 1.0 / (order * (order + 1.0))
-            x1, x1n = x1n, (friction * by_m1 - c1 * vx1 - k1 * x1) * twice
-            y1, y1n = y1n, (force * by_m1 - c1 * vy1 - k1 * y1) * twice
-            x2, x2n = x2n, (-friction * by_m2 - c2 * vx2 - k2 * x2) * twice
-            y2, y2n = y2n, (-force * by_m2 - c2 * vy2 - k2 * y2) * twice
-            psi, psin = psin, (psi_1 * torque1 + psi_2 * torque2 - force * by_me) * twice
-        v[0], v[1], v[2], v[3], v[4] = sx1, sy1, sx2, sy2, spsi
-        v[5], v[6], v[7], v[8], v[9] = tx1 / rate, ty1 / rate, tx2 / rate, ty2 / rate, tpsi / rate
+def _fastest(motion, h):
+    """Return a bound of the frequencies in the step [rad/s]."""
+    p, stiffness = motion.constants, 0.0
+    for j in range(motion.step.degree, -1, -1):
+        stiffness = stiffness * h + abs(motion.segment[SEG_FORCE, j])
+    mesh = p.answers[TO_FORCE, Y1] - p.answers[TO_FORCE, Y2] - p.answers[TO_FORCE, PSI]
+    supports = max(p.k1 / p.m1, p.k2 / p.m2)
+    if motion.step.pushed == SUPPORTS_CHANGE:
+        for wheel in range(2):
+            added = 0.0
+            for j in range(motion.degrees[SUPPORT_K + wheel], -1, -1):
+                added = added * h + abs(motion.signals[SUPPORT_K + wheel, j])
+            supports += added / (p.m1 if wheel == 0 else p.m2)
+    return math.sqrt(supports + stiffness * mesh)
 
 
 @kernel
-def divergence_over_step(p, segment, travel, h):
-    """Return the integral over a step of the trace of the equations' Jacobian.
-
-    Contact events add nothing: the determinant of their saltation matrix is n' f+ / (n' f-) = 1.
-    """
-    force_c, rub_c = segment[SEG_FORCE + 1, 0], segment[SEG_FRICTION + 1, 0]
-    psi_1, psi_2 = p.rb1 / p.inertia1, p.rb2 / p.inertia2
-    turn_c = segment[SEG_MOMENT + 1, 0] + 0.5 * travel * h * rub_c
-    supports = -2 * p.c1 / p.m1 - 2 * p.c2 / p.m2
-    mesh = -force_c * (1 / p.m1 + 1 / p.m2 + 1 / p.me)
-    return h * (supports + mesh + psi_1 * turn_c + psi_2 * (p.arm_sum * rub_c - turn_c))
+def _take_segment(motion):
+    """Copy the step's segment without its offsets, and the changes of the supports."""
+    tangent = motion.tangent
+    degree = motion.step.degree
+    for row in range(SEGMENT):
+        for j in range(degree + 1):
+            tangent.segment[row, j] = 0.0 if row % 3 == 2 else motion.segment[row, j]
+    if motion.step.pushed == SUPPORTS_CHANGE:
+        tangent.supports[:] = motion.signals[SUPPORT_K : SUPPORT_K + 4]
 
 
 @kernel
-def jump_at_contact(p, force_c, rub_c, turn_c, vectors):
+def _advance_vector(motion, h, travel, travel_rate, vector):
+    """Advance one tangent vector over h seconds."""
+    tangent, wn = motion.tangent, motion.constants.wn
+    state = tangent.state
+    state[:] = 0.0
+    for j in range(_BODIES):
+        state[j], state[VELOCITY + j] = vector[j], vector[_BODIES + j] * wn
+    changes = SUPPORTS_CHANGE if motion.step.pushed == SUPPORTS_CHANGE else 0
+    if motion.step.degree > 0 or changes:
+        tangent.push[:] = 0.0
+    expand_linear(motion, tangent, changes, travel, travel_rate, 0.0, 0.0)
+    advance_columns(tangent.series, h, state)
+    for j in range(_BODIES):
+        vector[j], vector[_BODIES + j] = state[j], state[VELOCITY + j] / wn
+
+
+@kernel
+def _shift_polynomial(terms, degree, t):
+    """Replace a polynomial by that in the time since t."""
+    for i in range(degree):
+        for j in range(degree - 1, i - 1, -1):
+            terms[j] += t * terms[j + 1]
+
+
+@kernel
+def _shift(motion, t, travel, travel_rate):
+    """Go on to the part of the step that begins t [s] later."""
+    tangent, degree = motion.tangent, motion.step.degree
+    segment = tangent.segment
+    for row in range(SEGMENT):
+        _shift_polynomial(segment[row], degree, t)
+    arm = (travel + travel_rate * t) * t
+    for row in range(2):
+        for j in range(degree + 1):
+            segment[SEG_MOMENT + row, j] += arm * segment[SEG_FRICTION + row, j]
+    if motion.step.pushed == SUPPORTS_CHANGE:
+        for row in range(4):
+            _shift_polynomial(tangent.supports[row], motion.degrees[SUPPORT_K + row], t)
+
+
+@kernel
+def _divergence(motion, h, travel, travel_rate):
+    """Return the integral over h seconds of the trace of the Jacobian."""
+    answers, segment, degree = motion.constants.answers, motion.tangent.segment, motion.step.degree
+    total = 0.0
+    for j in range(_BODIES):
+        total += answers[DAMPING, j] * h
+    if motion.step.pushed == SUPPORTS_CHANGE:
+        for column in range(SUPPORTED):
+            wheel = column // 2
+            mass = motion.constants.m1 if wheel == 0 else motion.constants.m2
+            row = SUPPORT_C - SUPPORT_K + wheel
+            for j in range(motion.degrees[SUPPORT_C + wheel] + 1):
+                total -= motion.tangent.supports[row, j] * h ** (j + 1) / ((j + 1) * mass)
+    for to, row in ((TO_FORCE, SEG_FORCE), (TO_FRICTION, SEG_FRICTION), (TO_MOMENT, SEG_MOMENT)):
+        along = answers[to, Y2] - answers[to, Y1] + answers[to, PSI]
+        for j in range(degree + 1):
+            power = h ** (j + 1)
+            total += along * segment[row + 1, j] * power / (j + 1)
+            if to == TO_MOMENT:
+                grown = travel * h / (j + 2) + travel_rate * h * h / (j + 3)
+                total += along * segment[SEG_FRICTION + 1, j] * power * grown
+    return total
+
+
+@kernel
+def damping_at_end(motion, out):
+    """Fill `out` with the damping of F, Ff and the moment at the end of the present step."""
+    t, segment = motion.step.length, motion.segment
+    travel, travel_rate = arm_growth(motion)
+    out[0] = polynomial(segment, SEG_FORCE + 1, t)[0]
+    out[1] = polynomial(segment, SEG_FRICTION + 1, t)[0]
+    out[2] = polynomial(segment, SEG_MOMENT + 1, t)[0] + (travel + travel_rate * t) * t * out[1]
+
+
+@kernel
+def jump_at_contact(p, jump, vectors):
     """Apply the saltation matrix to each row of `vectors`.
 
-    force_c, rub_c, turn_c : jumps of the damping rows of F and Ff [N s/m] and of the moment [N s].
+    jump : (3,) array
+        Jumps of the damping of F and Ff [N s/m] and of the moment [N s].
     """
-    psi_1, psi_2 = p.rb1 / p.inertia1, p.rb2 / p.inertia2
+    answers = p.answers
     for row in range(vectors.shape[0]):
         v = vectors[row]
-        apart = (v[3] - v[1] + v[4]) / p.wn
-        force, friction, torque1 = force_c * apart, rub_c * apart, turn_c * apart
-        v[5] += friction / p.m1
-        v[6] += force / p.m1
-        v[7] -= friction / p.m2
-        v[8] -= force / p.m2
-        torque2 = p.arm_sum * friction - torque1
-        v[9] += psi_1 * torque1 + psi_2 * torque2 - force / p.me
+        apart = (v[Y2] - v[Y1] + v[PSI]) / p.wn
+        for j in range(_BODIES):
+            v[_BODIES + j] += apart * (
+                answers[TO_FORCE, j] * jump[0]
+                + answers[TO_FRICTION, j] * jump[1]
+                + answers[TO_MOMENT, j] * jump[2]
+            )
 
 
 @kernel

@@ -350,6 +350,19 @@ HEALTHY = Ports()
 """The ports of a healthy machine."""
 
 
+def checked_ports(ports: Any) -> Ports:
+    """Return what must be ports.
+
+    Raises
+    ------
+    ParameterError
+        If it is anything else.
+    """
+    if not isinstance(ports, Ports):
+        raise ParameterError(f'ports is {ports!r}: it must be Ports')
+    return ports
+
+
 def periodic_cubics(values: np.ndarray) -> np.ndarray:
     """Return cubics that join equally spaced values and repeat, (n, 4), for `Table`.
 

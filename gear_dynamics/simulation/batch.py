@@ -14,68 +14,88 @@ from gear_dynamics.integrator import stepper
 from gear_dynamics.integrator.jumps import ROWS_OF_JUMP
 from gear_dynamics.integrator.kernel import borrowed, kernel
 from gear_dynamics.integrator.layout import HIGH_RATE_COLUMNS
-from gear_dynamics.integrator.motion import Motion, at_rest, empty_records
+from gear_dynamics.integrator.motion import start
+from gear_dynamics.integrator.records import empty_records
 from gear_dynamics.machine.columns import SAMPLE_COLUMNS, SAMPLES
 from gear_dynamics.model.gear_pair import GearPair, checked_pair
-from gear_dynamics.model.mesh import intervals as mesh
+from gear_dynamics.model.ports import HEALTHY, Ports, checked_ports
 from gear_dynamics.parameters.parameter import ParameterError
 from gear_dynamics.parameters.run_settings import RunSettings
 from gear_dynamics.simulation.simulator import IntegrationError, Simulator, why_stopped
+from gear_dynamics.simulation.state import model_ports
 
 _BLOCK = 1 << 16
 
 
 class Batch(NamedTuple):
-    """Gear pairs that run side by side: arrays with one row a pair.
+    """Gear pairs that run side by side.
 
-    `motion.zones` is (n, longest) here, of which row i has `zone_counts[i]` zones.
+    `records` is (n,) MOTION; mesh intervals of pair i are `zones[bounds[i, 0]:bounds[i + 1, 0]]`
+    and its ports `ports[bounds[i, 1]:bounds[i + 1, 1]]`.
     """
 
-    motion: Motion
-    zone_counts: np.ndarray
+    records: np.ndarray
+    zones: np.ndarray
+    ports: np.ndarray
+    bounds: np.ndarray
 
 
-def gather(pairs: Sequence[GearPair], runs: Sequence[RunSettings], drive: bool = True) -> Batch:
+def gather(
+    pairs: Sequence[GearPair],
+    runs: Sequence[RunSettings],
+    drive: bool = True,
+    ports: Sequence[Ports] | None = None,
+) -> Batch:
     """Return gear pairs at the start of their runs, ready to advance together."""
-    parts = [at_rest([pair], [run], drive=drive) for pair, run in zip(pairs, runs, strict=True)]
-    counts = np.array([part.zones.size for part in parts])
-    zones = np.zeros((len(parts), counts.max()), mesh.ZONES)
-    for row, part in zip(zones, parts, strict=True):
-        row[: part.zones.size] = part.zones
+    given = [HEALTHY] * len(pairs) if ports is None else ports
+    parts = [
+        start(pair, run, drive=drive, ports=model_ports(pair, run, more))
+        for pair, run, more in zip(pairs, runs, given, strict=True)
+    ]
     records = empty_records(len(parts))
     for i, part in enumerate(parts):
         records[i] = part.records[0]
-    return Batch(Motion(records, zones, mesh.healthy()), counts)
+    sizes = [(len(part.zones), len(part.ports)) for part in parts]
+    return Batch(
+        records,
+        np.concatenate([part.zones for part in parts]),
+        np.concatenate([part.ports for part in parts]),
+        np.concatenate([np.zeros((1, 2), int), np.cumsum(sizes, axis=0)]),
+    )
 
 
 @kernel(parallel=True)
-def _fill_all(records, zones, profiles, zone_counts, no_jumps, out, status):
+def _fill_all(records, zones, ports, bounds, no_jumps, out, status):
     for i in numba.prange(status.size):
+        a, b, c, d = bounds[i, 0], bounds[i, 1], bounds[i + 1, 0], bounds[i + 1, 1]
         filled = 0
         while filled < out.shape[1]:
             count, status[i] = stepper.fill_samples(
                 records[i],
-                borrowed(zones)[i][: zone_counts[i]],
-                borrowed(profiles),
+                borrowed(zones)[a:c],
+                borrowed(ports)[b:d],
                 borrowed(no_jumps),
                 1,
                 borrowed(out)[i, filled:],
             )
             filled += count
             if status[i] == stepper.EVENTS_FULL:
-                records[i].clock.events = 0
+                records[i].counts.events = 0
             elif status[i] != stepper.DONE:
                 break
 
 
 def _fill_band_limited(
-    pairs: Sequence[GearPair], runs: Sequence[RunSettings], samples: np.ndarray
+    pairs: Sequence[GearPair],
+    runs: Sequence[RunSettings],
+    ports: Sequence[Ports],
+    samples: np.ndarray,
 ) -> None:
     """Fill row i of samples with a run of pair i, in as many threads as Numba takes."""
 
     def fill(i: int) -> None:
         try:
-            simulator = Simulator(pairs[i], **dataclasses.asdict(runs[i]))
+            simulator = Simulator(pairs[i], ports=ports[i], **dataclasses.asdict(runs[i]))
             for begin in range(0, samples.shape[1], _BLOCK):
                 part = samples[i, begin : begin + _BLOCK]
                 part[:] = simulator.advance(len(part))
@@ -91,15 +111,15 @@ def _fill_band_limited(
 def refuse_failure(status: np.ndarray, records: np.ndarray) -> None:
     """Raise IntegrationError if the integrator could not go on with one of the pairs.
 
-    status, records : (n,) arrays of int64 and motion.MOTION
+    status, records : (n,) arrays of int64 and of MOTION
     """
     failed = np.flatnonzero(status != stepper.DONE)
     if failed.size:
         i = int(failed[0])
-        clock, rtol = records[i]['clock'], float(records[i]['constants']['rtol'])
+        record, rtol = records[i], float(records[i]['constants']['rtol'])
         raise IntegrationError(
-            f'row {i} of the batch, at speed {clock["speed"]:g} rad/s: '
-            f'{why_stopped(clock, int(status[i]), rtol)}'
+            f'row {i} of the batch, at speed {record["commands"]["speed"]:g} rad/s: '
+            f'{why_stopped(record, int(status[i]), rtol)}'
         )
 
 
@@ -138,6 +158,24 @@ def spread(value: float | Sequence[float] | np.ndarray, n: int, name: str) -> np
     return np.broadcast_to(values, n)
 
 
+def spread_ports(ports: Ports | Sequence[Ports], n: int) -> list[Ports]:
+    """Return n ports of an argument that may be given once for all.
+
+    Raises
+    ------
+    ParameterError
+        If these are no ports, or another number of them.
+    """
+    if isinstance(ports, Ports):
+        return [ports] * n
+    if not isinstance(ports, Iterable):
+        raise ParameterError(f'ports is {ports!r}: give Ports, or {n}, one a gear pair')
+    given = [checked_ports(one) for one in ports]
+    if len(given) != n:
+        raise ParameterError(f'ports has {len(given)} values: give one, or {n}, one a gear pair')
+    return given
+
+
 def simulate_batch(
     pairs: Sequence[GearPair],
     speeds: float | Sequence[float] | np.ndarray = 104.72,
@@ -145,6 +183,7 @@ def simulate_batch(
     duration: float = 1.0,
     sample_rate: float = 51200.0,
     *,
+    ports: Ports | Sequence[Ports] = HEALTHY,
     anti_alias: bool = True,
     rtol: float = 1e-6,
     atol: float = 1e-9,
@@ -165,6 +204,8 @@ def simulate_batch(
         Model time [s].
     sample_rate : float
         Samples per second [Hz].
+    ports : Ports or n Ports
+        How the machines depart from the healthy ones.
     anti_alias : bool
         Whether the samples are band-limited; False gives raw values.
     rtol, atol : float
@@ -183,6 +224,7 @@ def simulate_batch(
     """
     pairs = checked_pairs(pairs)
     n = len(pairs)
+    all_ports = spread_ports(ports, n)
     speeds, load_torques = spread(speeds, n, 'speeds'), spread(load_torques, n, 'load_torques')
     runs = [
         RunSettings(
@@ -197,12 +239,12 @@ def simulate_batch(
     ]
     samples = np.zeros((n, runs[0].sample_count(duration, SAMPLES.itemsize, n)), SAMPLES)
     if anti_alias:
-        _fill_band_limited(pairs, runs, samples)
+        _fill_band_limited(pairs, runs, all_ports, samples)
         return samples
-    batch = gather(pairs, runs)
+    batch = gather(pairs, runs, ports=all_ports)
     rows = samples.view(np.float64).reshape(n, -1, len(SAMPLE_COLUMNS))
     status = np.zeros(n, np.int64)
     no_jumps = np.zeros((0, ROWS_OF_JUMP, HIGH_RATE_COLUMNS))
-    _fill_all(*batch.motion, batch.zone_counts, no_jumps, rows, status)
-    refuse_failure(status, batch.motion.records)
+    _fill_all(*batch, no_jumps, rows, status)
+    refuse_failure(status, batch.records)
     return samples

@@ -11,7 +11,6 @@ import numpy as np
 
 from gear_dynamics.integrator import stepper
 from gear_dynamics.integrator.band_limit import BandLimiter, decimations
-from gear_dynamics.integrator.constants import pack
 from gear_dynamics.integrator.jumps import ROWS_OF_JUMP
 from gear_dynamics.integrator.kernel import borrowed, kernel
 from gear_dynamics.integrator.layout import (
@@ -20,26 +19,32 @@ from gear_dynamics.integrator.layout import (
     HIGH_RATE_COLUMNS,
     OVERSAMPLING,
 )
-from gear_dynamics.integrator.motion import Motion, at_rest
+from gear_dynamics.integrator.motion import Motion, copy_of, elapsed, renewed, start
+from gear_dynamics.integrator.tables import Fade, Group, make_tables
 from gear_dynamics.machine.columns import EVENTS, SAMPLE_COLUMNS, SAMPLES, SHAFTS
 from gear_dynamics.model.gear_pair import GearPair, checked_pair
-from gear_dynamics.model.mesh import intervals as mesh
+from gear_dynamics.model.ports import HEALTHY, Ports, checked_ports
 from gear_dynamics.parameters.parameter import ParameterError, refuse_unknown_name
 from gear_dynamics.parameters.run_settings import RunSettings
+from gear_dynamics.simulation.state import State, model_ports
 
 _CHUNK = 1024
+
+RAMP = 0.05
+"""Time in which ports fade out and in when they change [s]."""
 
 
 class IntegrationError(RuntimeError):
     """The integrator cannot go on; the message says when and why."""
 
 
-def why_stopped(clock: np.void, status: int, rtol: float) -> str:
+def why_stopped(record: np.void, status: int, rtol: float) -> str:
     """Return when and why the integrator stopped with this status, and what may help.
 
-    clock : a record of motion.CLOCK
+    record : a record of MOTION
     """
-    time = clock['origin'] / clock['sample_rate'] + clock['begin']
+    sampling = record['sampling']
+    time = sampling['origin'] / sampling['sample_rate'] + record['step']['begin']
     what = f'the integrator stopped at t = {time:.9g} s'
     if status == stepper.STUCK:
         return (
@@ -50,9 +55,9 @@ def why_stopped(clock: np.void, status: int, rtol: float) -> str:
 
 
 @kernel(nogil=True)
-def _fill(records, zones, profiles, jumps, whole_every, out):
+def _fill(records, zones, ports, jumps, whole_every, out):
     return stepper.fill_samples(
-        records[0], borrowed(zones), borrowed(profiles), borrowed(jumps), whole_every, borrowed(out)
+        records[0], borrowed(zones), borrowed(ports), borrowed(jumps), whole_every, borrowed(out)
     )
 
 
@@ -66,8 +71,8 @@ def _hand_out(rows, samples, shafts):
 
 
 @kernel
-def _reach_sample(records, zones, profiles, jumps):
-    status = stepper.run(records[0], zones, profiles, jumps)
+def _reach_sample(records, zones, ports, jumps):
+    status = stepper.run(records[0], zones, ports, jumps)
     if status == stepper.DONE:
         stepper.pass_section_before_sample(records[0])
     return status
@@ -86,8 +91,8 @@ class Simulator:
     pair : GearPair
     drive : bool
         False runs the reduced form of docs/model.md.
-    profiles : array of mesh.PROFILES, optional
-        Flanks that depart from the healthy ones.
+    ports : Ports
+        How the machine departs from the healthy one.
     **values
         Fields of `RunSettings` by name: sample_rate, speed, load_torque, speed_rate_limit,
         torque_rate_limit, anti_alias, rtol, atol, section_phase.
@@ -95,24 +100,18 @@ class Simulator:
     Raises
     ------
     ParameterError
-        If `pair` is none, a name is unknown, a value is out of its range, or `profiles` is no table
-        of profiles.
+        If `pair` is none, a name is unknown, a value is out of its range, or `ports` are none.
     """
 
     def __init__(
-        self,
-        pair: GearPair,
-        *,
-        drive: bool = True,
-        profiles: np.ndarray | None = None,
-        **values: Any,
+        self, pair: GearPair, *, drive: bool = True, ports: Ports = HEALTHY, **values: Any
     ) -> None:
         self.pair = checked_pair(pair)
         for name in values:
             refuse_unknown_name(name, [about.name for about in RunSettings.parameters()])
         self.settings = RunSettings(**values)
+        self.ports = checked_ports(ports)
         self._drive = drive
-        self._profiles = None if profiles is None else mesh.checked(profiles)
         self._limiters = self._make_limiters() if self.settings.anti_alias else []
         self._jumps = np.zeros((_CHUNK if self._limiters else 0, ROWS_OF_JUMP, HIGH_RATE_COLUMNS))
         self._rows = np.zeros((_CHUNK, HIGH_RATE_COLUMNS))
@@ -133,22 +132,28 @@ class Simulator:
         """Samples per second of model time [Hz]."""
         return self.settings.sample_rate
 
+    @property
+    def _record(self) -> np.void:
+        return self._motion.records[0]
+
     def reset(self) -> None:
         """Go back to t = 0, in the static deflection of the present commands."""
         self._held_events: list[np.ndarray] = []
-        self._motion = self._at_rest()
+        self._motion = self._start()
         if self._limiters:
             first = np.zeros((1, HIGH_RATE_COLUMNS))
             self._integrate(first)
             for limiter in self._limiters:
                 limiter.start(first)
-            self._motion = self._at_rest()
+            self._motion = self._start()
         self._held_events = []
         self.samples_done = 0
 
-    def _at_rest(self) -> Motion:
+    def _start(self) -> Motion:
         oversampling = OVERSAMPLING ** len(self._limiters)
-        return at_rest([self.pair], [self.settings], oversampling, self._drive, self._profiles)
+        ports = model_ports(self.pair, self.settings, self.ports)
+        self._fade = Fade.of(ports)
+        return start(self.pair, self.settings, oversampling, self._drive, ports)
 
     def advance(self, n: int) -> np.ndarray:
         """Return the next n samples, an (n,) array of SAMPLES; t is since the start of the run.
@@ -189,21 +194,19 @@ class Simulator:
         self._hold_events()
 
     def _check(self, status: int) -> None:
-        clock = self._motion.records[0]['clock']
         if status == stepper.EVENTS_FULL:
             self._hold_events()
         elif status != stepper.DONE:
-            raise IntegrationError(why_stopped(clock, status, self.settings.rtol))
+            raise IntegrationError(why_stopped(self._record, status, self.settings.rtol))
 
     def _hold_events(self) -> None:
-        clock = self._motion.records[0]['clock']
-        if clock['events']:
-            events = self._motion.records[0]['events']
-            self._held_events.append(events[: clock['events']].copy())
-            clock['events'] = 0
-        if self._limiters and clock['jumps']:
-            self._limiters[0].smooth(self._jumps[: clock['jumps']])
-            clock['jumps'] = 0
+        counts = self._record['counts']
+        if counts['events']:
+            self._held_events.append(self._record['events'][: counts['events']].copy())
+            counts['events'] = 0
+        if self._limiters and counts['jumps']:
+            self._limiters[0].smooth(self._jumps[: counts['jumps']])
+            counts['jumps'] = 0
 
     def take_events(self) -> np.ndarray:
         """Return the events within the time of the samples handed out since the last call.
@@ -239,6 +242,8 @@ class Simulator:
         settings = self._with(speed=speed, load_torque=load_torque)
         self._interrupt()
         self._go_by(settings)
+        if self.pair.friction_model != 'coulomb':
+            self._put_ports(self._time_to_targets())
 
     def _with(self, **values: float | None) -> RunSettings:
         """Return the settings with those values that are given."""
@@ -248,33 +253,50 @@ class Simulator:
     def _go_by(self, settings: RunSettings) -> None:
         """Approach the settings' targets from the interrupted step on."""
         self.settings = settings
-        clock = self._motion.records[0]['clock']
-        clock['speed_target'], clock['torque_target'] = (
-            self.settings.speed,
-            self.settings.load_torque,
-        )
-        clock['speed_limit'] = self.settings.speed_rate_limit
-        clock['torque_limit'] = self.settings.torque_rate_limit
-        self._approach('speed', 'accel', 'speed_target', 'speed_limit', 'speed_reached')
-        self._approach('torque', 'torque_rate', 'torque_target', 'torque_limit', 'torque_reached')
+        commands = self._record['commands']
+        commands['speed_target'], commands['torque_target'] = settings.speed, settings.load_torque
+        commands['speed_limit'] = settings.speed_rate_limit
+        commands['torque_limit'] = settings.torque_rate_limit
+        self._approach('speed', 'accel')
+        self._approach('torque', 'torque_rate')
 
-    def _approach(self, value: str, rate: str, target: str, limit: str, reached: str) -> None:
-        clock = self._motion.records[0]['clock']
-        missing = float(clock[target] - clock[value])
+    def _approach(self, name: str, rate: str) -> None:
+        commands = self._record['commands']
+        missing = float(commands[f'{name}_target'] - commands[name])
         if missing == 0:
-            clock[rate], clock[reached] = 0.0, math.inf
+            commands[rate], commands[f'{name}_reached'] = 0.0, math.inf
         else:
-            clock[rate] = math.copysign(clock[limit], missing)
-            clock[reached] = clock['begin'] + abs(missing) / clock[limit]
+            limit = commands[f'{name}_limit']
+            commands[rate] = math.copysign(limit, missing)
+            commands[f'{name}_reached'] = self._record['step']['begin'] + abs(missing) / limit
+
+    def _time_to_targets(self) -> float:
+        """Return how long the commands take to reach their targets, RAMP at least [s]."""
+        commands = self._record['commands']
+        ends = [float(commands[name]) for name in ('speed_reached', 'torque_reached')]
+        last = max((end for end in ends if math.isfinite(end)), default=0.0)
+        return max(last - float(self._record['step']['begin']), RAMP)
 
     def change(
         self,
         *,
         pair: GearPair | None = None,
+        ports: Ports | None = None,
+        ramp: float = RAMP,
         speed_rate_limit: float | None = None,
         torque_rate_limit: float | None = None,
     ) -> None:
         """Change parameters from the next sample on; positions, velocities and phase go on.
+
+        Parameters
+        ----------
+        pair : GearPair, optional
+        ports : Ports, optional
+            How the machine departs from the healthy one from now on.
+        ramp : float
+            Time in which ports fade out and in, linearly [s]; 0 changes them at once. Terms that
+            are there before and after do not change.
+        speed_rate_limit, torque_rate_limit : float, optional
 
         Raises
         ------
@@ -285,12 +307,17 @@ class Simulator:
         settings = self._with(
             speed_rate_limit=speed_rate_limit, torque_rate_limit=torque_rate_limit
         )
-        if pair is not None:
-            self._refuse_fixed(checked_pair(pair))
+        if not (math.isfinite(ramp) and ramp >= 0):
+            raise ParameterError(f'ramp is {ramp!r}: it must be a time in seconds, 0 or more')
+        new_pair = self.pair if pair is None else checked_pair(pair)
+        self._refuse_fixed(new_pair)
+        new_ports = self.ports if ports is None else checked_ports(ports)
+        # What cannot be is refused before anything changes.
+        make_tables(new_pair, [Group(model_ports(new_pair, settings, new_ports))])
         self._interrupt()
-        if pair is not None:
-            self.pair = pair
-            self._repack()
+        self.pair, self.ports = new_pair, new_ports
+        if pair is not None or ports is not None:
+            self._put_ports(ramp)
         self._go_by(settings)
 
     def _refuse_fixed(self, pair: GearPair) -> None:
@@ -301,17 +328,12 @@ class Simulator:
                     f'running and stays {getattr(self.pair, about.name)!r}'
                 )
 
-    def _repack(self) -> None:
-        """Put changed parameters into the motion, which goes on from the same state."""
-        packed = pack(self.pair, self.settings.rtol, self.settings.atol, self._drive)
-        self._motion.records['constants'] = packed
-        zones = mesh.zones(self.pair, self._profiles)
-        self._motion = self._motion._replace(zones=zones)
-        clock = self._motion.records[0]['clock']
-        # Where a cycle begins, rounding may leave the phase just below zero.
-        zone = np.searchsorted(zones['begin'], clock['phase'], side='right') - 1
-        clock['zone'] = max(zone, 0)
-        clock['unsettled'] = 1
+    def _put_ports(self, ramp: float) -> None:
+        """Put the present pair and ports into the motion, which goes on from the same state."""
+        target = model_ports(self.pair, self.settings, self.ports)
+        begin = elapsed(self._record)
+        self._fade = self._fade.towards(target, begin, ramp)
+        self._motion = renewed(self._motion, self.pair, self.settings, self._drive, self._fade)
 
     def _reach_sample(self) -> None:
         """Step up to the instant of the next sample."""
@@ -332,12 +354,53 @@ class Simulator:
         rejected_steps are those that were cut short because contact changed within them;
         contact_losses counts when the last pair in contact loses it; smallest_step is in seconds.
         """
-        clock = self._motion.records[0]['clock']
         names = ('steps', 'rejected_steps', 'contact_losses', 'back_flank_impacts')
-        counts: dict[str, int | float] = {name: int(clock[name]) for name in names}
-        smallest = float(clock['smallest_step'])
+        counts: dict[str, int | float] = {n: int(self._record['counts'][n]) for n in names}
+        smallest = float(self._record['step']['smallest'])
         counts['smallest_step'] = smallest if math.isfinite(smallest) else 0.0
         return counts
+
+    def state(self) -> State:
+        """Return everything that the next samples depend on; see `set_state`."""
+        return State(
+            pair=self.pair,
+            settings=self.settings,
+            ports=self.ports,
+            drive=self._drive,
+            samples_done=self.samples_done,
+            motion=copy_of(self._motion),
+            fade=self._fade,
+            held_events=tuple(self._held_events),
+            filters=tuple(limiter.memory() for limiter in self._limiters),
+        )
+
+    def set_state(self, state: State) -> None:
+        """Go on from a state: the next samples and events are those that followed it.
+
+        Raises
+        ------
+        ParameterError
+            If the state is of a simulator with other samples or another form of the equations.
+        """
+        for name in ('sample_rate', 'anti_alias'):
+            mine, other = getattr(self.settings, name), getattr(state.settings, name)
+            if mine != other:
+                raise ParameterError(f'{name} is {mine!r}: the state is of {other!r}')
+        if state.drive != self._drive:
+            raise ParameterError(f'drive is {self._drive!r}: the state is of {state.drive!r}')
+        self.pair, self.settings, self.ports = state.pair, state.settings, state.ports
+        self._motion, self._fade = copy_of(state.motion), state.fade
+        self._held_events = list(state.held_events)
+        self.samples_done = state.samples_done
+        for limiter, memory in zip(self._limiters, state.filters, strict=True):
+            limiter.set_memory(memory)
+
+    def copy(self) -> Simulator:
+        """Return an independent simulator in the same state."""
+        values = dataclasses.asdict(self.settings)
+        other = Simulator(self.pair, drive=self._drive, ports=self.ports, **values)
+        other.set_state(self.state())
+        return other
 
 
 def _checked_count(n: Any) -> int:

@@ -26,6 +26,9 @@ COLUMNS = (
 )
 
 
+UNIT_RAMP = (1.0, 0.0)
+
+
 class Ramp:
     """A command that is linear between given instants and constant outside of them."""
 
@@ -56,14 +59,15 @@ class Pair:
 
     number: int  # in the order of engagement
     sliding: int  # lambda
-    profiles: list  # coefficients of stiffness, damping, error
+    pieces: list  # begin and end, then coefficients of stiffness, damping, error, friction
     contact: int = 1  # drive flank 1, gap 0, back flank -1
 
 
-def cubic(coefficients, s):
-    """Return a cubic, lowest coefficient first, and its slope."""
-    c0, c1, c2, c3 = coefficients
-    return c0 + s * (c1 + s * (c2 + s * c3)), c1 + s * (2 * c2 + s * 3 * c3)
+def piece_at(begin, end, coefficients, at):
+    """Return a polynomial of the place between begin and end, and its slope."""
+    piece = np.polynomial.Polynomial(coefficients)
+    x = (at - begin) / (end - begin)
+    return float(piece(x)), float(piece.deriv()(x)) / (end - begin)
 
 
 class Equations:
@@ -73,13 +77,17 @@ class Equations:
     ----------
     pair : GearPair
     speed, torque : float or Ramp
-    profiles : array of mesh.PROFILES
+    ports : iterable of terms of model.ports
     drive : bool
         False for the reduced form: T1 = T2 z1 / z2 at constant speed.
+    strength : Ramp, optional
+        By which all terms are multiplied.
     """
 
-    def __init__(self, pair, speed, torque, profiles=(), drive=True):
-        self.pair, self.drive, self.profiles = pair, drive, profiles
+    def __init__(self, pair, speed, torque, ports=(), drive=True, strength=None):
+        self.pair, self.drive, self.ports = pair, drive, list(ports)
+        self.strength = strength
+        self.near = 0.0  # an instant within the interval: tells which pieces hold at its ends
         self.speed = speed if isinstance(speed, Ramp) else Ramp([0.0], [speed])
         self.torque = torque if isinstance(torque, Ramp) else Ramp([0.0], [torque])
         self._geometry()
@@ -143,6 +151,63 @@ class Equations:
             amplitude * p.pinion_teeth * speed * math.cos(angle),
         )
 
+    def fade(self, t):
+        """Return the strength of the terms and its rate."""
+        if self.strength is None:
+            return UNIT_RAMP
+        return self.strength(t), self.strength.rate(self.near)
+
+    def argument(self, name, t):
+        """Return what a term is a function of, with its first and second derivatives."""
+        if name == 'time':
+            return t, 1.0, 0.0
+        turned, speed = self.rigid_motion(t)
+        factor = {'pinion': 1.0, 'mesh': self.pair.pinion_teeth}.get(
+            name, self.pair.pinion_teeth / self.pair.gear_teeth
+        ) / (2 * math.pi)
+        return factor * turned, factor * speed, factor * self.accel
+
+    def term_at(self, term, t):
+        """Return a term of a signal and its rate."""
+        if hasattr(term, 'value'):
+            return term.value, 0.0
+        if hasattr(term, 'order'):
+            at, rate, curvature = self.argument(term.argument, t)
+            turn = 2 * math.pi * term.order
+            angle, w, a = turn * at + term.phase, turn * rate, turn * curvature
+            sine, cosine = math.sin(angle), math.cos(angle)
+            derivatives = (
+                sine,
+                cosine * w,
+                cosine * a - sine * w**2,
+                -cosine * w**3 - 3 * sine * w * a,
+            )
+            n = term.derivative
+            return term.amplitude * derivatives[n], term.amplitude * derivatives[n + 1]
+        knots = term.knots
+        period = knots[-1] - knots[0]
+        near = self.argument(term.argument, self.near)[0]
+        lap = math.floor((near - knots[0]) / period)
+        j = int(np.searchsorted(knots, near - lap * period, side='right')) - 1
+        at, rate, _ = self.argument(term.argument, t)
+        value, slope = piece_at(knots[j], knots[j + 1], term.coefficients[j], at - lap * period)
+        return value, slope * rate
+
+    def signal(self, name, t):
+        """Return what the terms add to a signal, and its rate."""
+        value = rate = 0.0
+        strength, fading = self.fade(t)
+        for term in self.ports:
+            if getattr(term, 'signal', None) == name:
+                v, r = self.term_at(term, t)
+                value, rate = value + strength * v, rate + strength * r + fading * v
+        return value, rate
+
+    def half_backlash(self, t):
+        """Return b and its rate."""
+        value, rate = self.signal('half_backlash', t)
+        return self.b + value, rate
+
     def pairs_at(self, phase):
         """Return the tooth pairs in contact at a mesh phase that is not an event's."""
         cycle = math.floor(phase)
@@ -152,35 +217,42 @@ class Equations:
             if s > self.eps * self.pb:
                 continue
             number = cycle - ahead
-            rows = [
-                tuple(row[name].tolist() for name in ('stiffness', 'damping', 'error'))
-                for row in self.profiles
-                if row['begin'] <= s <= row['end']
-                and row['pinion_tooth'] in (-1, number % self.pair.pinion_teeth)
-                and row['gear_tooth'] in (-1, number % self.pair.gear_teeth)
+            teeth = {
+                'pinion': number % self.pair.pinion_teeth,
+                'gear': number % self.pair.gear_teeth,
+            }
+            pieces = [
+                (a, b, [getattr(t, q)[j] for q in ('stiffness', 'damping', 'error', 'friction')])
+                for t in self.ports
+                if hasattr(t, 'edges') and (t.tooth is None or t.tooth == teeth[t.wheel])
+                for j, (a, b) in enumerate(itertools.pairwise(t.edges))
+                if a <= s <= b
             ]
-            found.append(Pair(number, 1 if s < self.l1 else -1, rows))
+            found.append(Pair(number, 1 if s < self.l1 else -1, pieces))
         return found
 
     def pair_terms(self, pair, t):
-        """Return s, k_i, c_i, e_i and e_i' of a tooth pair."""
+        """Return s, k_i, c_i, mu_i, e_i and e_i' of a tooth pair."""
         turned, speed = self.rigid_motion(t)
         s = (self.pair.pinion_teeth * turned / (2 * math.pi) - pair.number) * self.pb
         s_dot = self.pb * self.pair.pinion_teeth / (2 * math.pi) * speed
-        k, c, e, slope = self.k, self.c, 0.0, 0.0
-        for stiffness, damping, error in pair.profiles:
-            k += self.k * cubic(stiffness, s)[0]
-            c += self.c * cubic(damping, s)[0]
-            height, rise = cubic(error, s)
-            e, slope = e + height, slope + rise
+        k, c, e, rate = self.k, self.c, 0.0, 0.0
+        mu = self.mu + self.signal('friction', t)[0]
+        strength, fading = self.fade(t)
+        for begin, end, (stiffness, damping, error, friction) in pair.pieces:
+            k += strength * self.k * piece_at(begin, end, stiffness, s)[0]
+            c += strength * self.c * piece_at(begin, end, damping, s)[0]
+            mu += strength * piece_at(begin, end, friction, s)[0]
+            height, rise = piece_at(begin, end, error, s)
+            e, rate = e + strength * height, rate + strength * rise * s_dot + fading * height
         if self.pair.mesh_stiffness == 'constant':
             share = 1 / self.sharing
             k, c = k * share, c * share
-        return s, k, c, e, slope * s_dot
+        return s, k, c, mu, e, rate
 
     def deltas(self, t, y):
         """Return delta and delta' of the whole gears."""
-        e, e_dot = self.error(t)
+        e, e_dot = np.add(self.error(t), self.signal('transmission_error', t))
         return (
             y[3] - y[1] + self.rb1 * y[4] - self.rb2 * y[5] - e,
             y[9] - y[7] + self.rb1 * y[10] - self.rb2 * y[11] - e_dot,
@@ -192,12 +264,15 @@ class Equations:
         total = [0.0, 0.0, 0.0, 0.0]
         self.sharing = len(pairs)
         for pair in pairs:
-            s, k, c, e, e_dot = self.pair_terms(pair, t)
+            s, k, c, mu, e, e_dot = self.pair_terms(pair, t)
             x, v = delta - e, delta_dot - e_dot
-            force = k * (x - pair.contact * self.b) if pair.contact else 0.0
-            if pair.contact or self.pair.damping_in_gap:
+            b, b_dot = self.half_backlash(t)
+            force = k * (x - pair.contact * b) if pair.contact else 0.0
+            if self.pair.damping_in_gap:
                 force += c * v
-            friction = pair.contact * pair.sliding * self.mu * force
+            elif pair.contact:
+                force += c * (v - pair.contact * b_dot)
+            friction = pair.contact * pair.sliding * mu * force
             arm = self.arm0 + s
             for i, term in enumerate(
                 (force, friction, friction * arm, friction * (self.arm_sum - arm))
@@ -216,18 +291,36 @@ class Equations:
         if self.drive:
             drive += ratio * self.i2 * ratio * accel + self.i1 * accel
             drive -= self.kd * q + self.cd * q_dot + self.ki * q_sum
+        drive += self.signal('drive_torque', t)[0]
+        torque += self.signal('load_torque', t)[0]
+        sum_1x, sum_1y = self.on_body('pinion', self.m1, (x1, y1), (vx1, vy1), t)
+        sum_2x, sum_2y = self.on_body('gear', self.m2, (x2, y2), (vx2, vy2), t)
         return np.array(
             [
                 *y[6:12],
-                (friction - self.c1 * vx1 - self.k1 * x1) / self.m1,
-                (force - self.c1 * vy1 - self.k1 * y1) / self.m1,
-                (-friction - self.c2 * vx2 - self.k2 * x2) / self.m2,
-                (-force - self.c2 * vy2 - self.k2 * y2) / self.m2,
+                friction / self.m1 + sum_1x,
+                force / self.m1 + sum_1y,
+                -friction / self.m2 + sum_2x,
+                -force / self.m2 + sum_2y,
                 (drive - self.rb1 * force + moment1) / self.i1 - accel,
                 (-torque + self.rb2 * force - moment2) / self.i2 - accel * ratio,
                 q if self.drive else 0.0,
             ]
         )
+
+    def support(self, wheel, t):
+        """Return stiffness and damping of a support."""
+        k, c = (self.k1, self.c1) if wheel == 'pinion' else (self.k2, self.c2)
+        k += self.signal(f'{wheel}_support_stiffness', t)[0]
+        return k, c + self.signal(f'{wheel}_support_damping', t)[0]
+
+    def on_body(self, wheel, mass, position, velocity, t):
+        """Return the accelerations of a body by its support and by forces on it."""
+        k, c = self.support(wheel, t)
+        for axis, x, v in zip('xy', position, velocity, strict=True):
+            rest, rest_dot = self.signal(f'{wheel}_rest_{axis}', t)
+            force = self.signal(f'{wheel}_force_{axis}', t)[0]
+            yield (force - k * (x - rest) - c * (v - rest_dot)) / mass
 
     def row(self, t, y, pairs):
         """Return the columns of a sample."""
@@ -239,7 +332,8 @@ class Equations:
         angles = (turned + y[4]) % turn, (turned * ratio + y[5]) % turn
         return [
             *rates[6:10],
-            *(force, friction, delta, delta_dot, *angles, speed + y[10], self.load(t)),
+            *(force, friction, delta, delta_dot, *angles, speed + y[10]),
+            self.load(t) + self.signal('load_torque', t)[0],
         ]
 
     def static_state(self):
@@ -249,6 +343,7 @@ class Equations:
         pairs touch, so Newton's method with any step is exact: it is solved as a linear system.
         """
         self._follow_commands(0.0)
+        self.near = 1e-12
         pairs = self.pairs_at(self.phase(1e-12))
         flank = 1 if self.torque(0.0) >= 0 else -1
         for pair in pairs:
@@ -258,20 +353,23 @@ class Equations:
             th1 = u[4] / (self.rb1 + self.rb2 * self.i1 * self.rb2 / (self.rb1 * self.i2))
             y = np.zeros(13)
             y[:4], y[4], y[5] = u[:4], th1, -th1 * self.i1 * self.rb2 / (self.rb1 * self.i2)
-            e_dot = self.error(0.0)[1]
+            e_dot = self.error(0.0)[1] + self.signal('transmission_error', 0.0)[1]
             y[10] = e_dot / (self.rb1 + self.rb2 * self.i1 * self.rb2 / (self.rb1 * self.i2))
             y[11] = -y[10] * self.i1 * self.rb2 / (self.rb1 * self.i2)
             return y
 
         def residual(u):
             y = state(u)
+            damping, self.c = self.c, 0.0
             force, friction, _, moment2 = self.forces(0.0, y, pairs)
+            self.c = damping
+            k1, k2 = (self.support(wheel, 0.0)[0] for wheel in ('pinion', 'gear'))
             return np.array(
                 [
-                    friction - self.k1 * u[0],
-                    force - self.k1 * u[1],
-                    -friction - self.k2 * u[2],
-                    -force - self.k2 * u[3],
+                    friction - k1 * u[0],
+                    force - k1 * u[1],
+                    -friction - k2 * u[2],
+                    -force - k2 * u[3],
                     (-self.torque(0.0) + self.rb2 * force - moment2) / self.rb2,
                 ]
             )

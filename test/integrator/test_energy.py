@@ -24,14 +24,14 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(24)
 
 
 @kernel
-def begin(records, zones, profiles):
-    stepper.begin_step(records[0], zones, profiles, False)
+def begin(records, zones, ports):
+    stepper.begin_step(records[0], zones, ports, False)
 
 
 @kernel
-def end(records, zones, profiles):
-    records[0].clock.events = 0
-    stepper.end_step(records[0], zones, profiles)
+def end(records, zones, ports):
+    records[0].counts.events = 0
+    stepper.end_step(records[0], zones, ports)
 
 
 class Ledger:
@@ -62,13 +62,14 @@ class Ledger:
         u[4:], v[4:] = matrix @ u[4:], matrix @ v[4:]
         return t, u, v, value[6], slope[6], value[5], slope[5], value[7]
 
-    def pairs(self, clock, t):
+    def pairs(self, record, t):
         """Return lambda and arm l_i1 of the pairs in contact at times t into the step."""
         d = self.d
         angle = np.radians(self.pair.pressure_angle_deg)
-        phase = clock['phase'] + self.pair.pinion_teeth * self.speed / (2 * np.pi) * t
+        phase = record['phase']['phase'] + self.pair.pinion_teeth * self.speed / (2 * np.pi) * t
         middle = (
-            clock['phase'] + self.pair.pinion_teeth * self.speed / (4 * np.pi) * clock['length']
+            record['phase']['phase']
+            + self.pair.pinion_teeth * self.speed / (4 * np.pi) * record['step']['length']
         )
         for ahead in (0, 1):
             if (middle + ahead) * d.base_pitch < d.path_length:
@@ -76,9 +77,9 @@ class Ledger:
                 sliding = 1 if (middle + ahead) * d.base_pitch < d.approach_length else -1
                 yield sliding, d.pinion_pitch_radius * np.sin(angle) - d.approach_length + s
 
-    def add_step(self, clock, series):
+    def add_step(self, record, series):
         pair, d = self.pair, self.d
-        length, contact = clock['length'], clock['contact_a']
+        length, contact = record['step']['length'], record['contact']['state'][0, 0]
         t, _, v, delta, delta_dot, q, q_dot, q_sum = self.motion_over(series, length)
         stretch = (delta - contact * pair.half_backlash) if contact else 0 * delta
         touches = contact != 0
@@ -91,7 +92,7 @@ class Ledger:
             + drive_rate**3 / 5 * q_sum
         )
         w1, w2 = self.speed + v[4], self.speed * self.ratio + v[5]
-        pairs = list(self.pairs(clock, t))
+        pairs = list(self.pairs(record, t))
         arms = (d.pinion_base_radius + d.gear_base_radius) * np.tan(
             np.radians(pair.pressure_angle_deg)
         )
@@ -102,7 +103,7 @@ class Ledger:
             friction = friction + power
             self._tell_feeding(power, contact * force_i < 0, length)
         n = len(pairs)
-        phase = 2 * np.pi * clock['phase'] + self.pair.pinion_teeth * self.speed * t
+        phase = 2 * np.pi * record['phase']['phase'] + self.pair.pinion_teeth * self.speed * t
         error_dot = pair.transmission_error_amplitude * np.cos(phase) * pair.pinion_teeth
         powers = {
             'drive': drive * w1,
@@ -121,17 +122,21 @@ class Ledger:
         self.fed_in_tension += fed[tensile].sum()
         self.fed_by_vibration += fed[~tensile].sum()
 
-    def stored(self, clock, series, at_end):
+    def stored(self, record, series, at_end):
         """Return all energy at the beginning or the end of the step, and that of the teeth."""
         pair, d = self.pair, self.d
         _, u, v, delta, *_ = (c[..., -1 if at_end else 0] for c in self.motion_over(
-            series, clock['length'], 2))  # fmt: skip
+            series, record['step']['length'], 2))  # fmt: skip
         masses = [d.pinion_mass] * 2 + [d.gear_mass] * 2
         w1, w2 = self.speed + v[4], self.speed * self.ratio + v[5]
         kinetic = np.dot(masses, v[:4] ** 2) + d.pinion_inertia * w1**2 + d.gear_inertia * w2**2
         springs = [pair.pinion_support_stiffness] * 2 + [pair.gear_support_stiffness] * 2
-        n = len(list(self.pairs(clock, 0.0)))
-        stretch = delta - clock['contact_a'] * pair.half_backlash if clock['contact_a'] else 0.0
+        n = len(list(self.pairs(record, 0.0)))
+        stretch = (
+            delta - record['contact']['state'][0, 0] * pair.half_backlash
+            if record['contact']['state'][0, 0]
+            else 0.0
+        )
         mesh = n * pair.tooth_pair_stiffness * stretch**2
         return (kinetic + np.dot(springs, u[:4] ** 2) + mesh) / 2, mesh / 2
 
@@ -142,21 +147,21 @@ def balance(pair, rpm, load_torque, cycles):
     simulator = Simulator(
         pair, speed=speed, load_torque=load_torque, anti_alias=False, rtol=1e-11, atol=1e-14
     )
-    motion = simulator._motion
-    clock, series = motion.records[0]['clock'], motion.records[0]['series']
+    motion = simulator.state().motion
+    record, series = motion.records[0], motion.records[0]['series']
     ledger = Ledger(pair, speed, load_torque)
     first = last = teeth_before = None
-    while clock['cycle'] < cycles:
+    while record['phase']['cycle'] < cycles:
         begin(*motion)
-        if clock['length'] > 0:
-            before, teeth = ledger.stored(clock, series, at_end=False)
+        if record['step']['length'] > 0:
+            before, teeth = ledger.stored(record, series, at_end=False)
             first = before if first is None else first
             # Where a pair enters or leaves with its spring stretched, 1/2 dk f^2 comes or goes.
             ledger.jumps += teeth - teeth_before if teeth_before is not None else 0.0
-            ledger.add_step(clock, series)
-            last, teeth_before = ledger.stored(clock, series, at_end=True)
+            ledger.add_step(record, series)
+            last, teeth_before = ledger.stored(record, series, at_end=True)
         end(*motion)
-    ledger.losses = simulator.counters['contact_losses']
+    ledger.losses = record['counts']['contact_losses']
     return ledger, last - first
 
 

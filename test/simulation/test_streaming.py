@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from reference_equations import COLUMNS
 
-from gear_dynamics.integrator.motion import EVENT_ROOM
+from gear_dynamics.integrator.records import EVENT_ROOM
 from gear_dynamics.machine.columns import EventKind
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.simulation.simulate import simulate

@@ -91,7 +91,7 @@ def test_jumps_are_those_of_the_equations(monkeypatch, rpm, losses):
     found = []
     monkeypatch.setattr(BandLimiter, 'smooth', lambda _, jumps: found.append(jumps.copy()))
     simulator = Simulator(pair, speed=speed, load_torque=LOAD, rtol=1e-12, atol=1e-15)
-    high_rate = float(simulator._motion.records[0]['clock']['sample_rate'])
+    high_rate = float(simulator.state().motion.records[0]['sampling']['sample_rate'])
     simulator.advance(round(8 * 2 * np.pi / (34 * speed) * simulator.sample_rate))
     assert (simulator.counters['contact_losses'] > 0) == losses
     jumps = np.concatenate(found)

@@ -9,33 +9,27 @@ from reference_equations import COLUMNS, Ramp
 from reference_run import Reference
 
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.mesh.intervals import PROFILES
+from gear_dynamics.model.ports import HEALTHY, Ports, ToothDeviation
 
 DEFAULT = GearPair()
 RPM = np.pi / 30
 COUNT = 200
 
 
-def flank(**values):
-    """Return a profile table of one row on every tooth and the whole path, but for `values`."""
-    rows = np.zeros(1, PROFILES)
-    rows['pinion_tooth'] = rows['gear_tooth'] = -1
-    rows['end'] = DEFAULT.derived.path_length
-    for name, value in values.items():
-        rows[name] = value
-    return rows
+def flank(wheel=None, tooth=None, begin=0.0, end=DEFAULT.derived.path_length, **cubics):
+    """Return ports that deviate on a stretch of the path, by cubics in s [m], lowest first."""
+    rows = {
+        name: [np.polynomial.Polynomial(cubic)(np.polynomial.Polynomial([begin, end - begin])).coef]
+        for name, cubic in cubics.items()
+    }
+    return Ports([ToothDeviation(wheel, tooth, [begin, end], **rows)])
 
 
-def healthy_start(pair, speed, torque, drive=True):
-    """Return the static deflection of the healthy pair, in which every run starts."""
-    return Reference(pair, speed, torque, drive=drive).static_state()
-
-
-def assert_equal_to_reference(pair, speed, torque, *, profiles=None, drive=True, leave=()):
-    model = simulator(pair, speed, torque, 1e-12, profiles=profiles, drive=drive)
+def assert_equal_to_reference(pair, speed, torque, *, ports=HEALTHY, drive=True, leave=()):
+    model = simulator(pair, speed, torque, 1e-12, ports=ports, drive=drive)
     got = columns(model.advance(COUNT))
-    reference = Reference(pair, speed, torque, () if profiles is None else profiles, drive)
-    rows, away = reference.run(np.arange(COUNT) / RATE, healthy_start(pair, speed, torque, drive))
+    reference = Reference(pair, speed, torque, ports, drive)
+    rows, away = reference.run(np.arange(COUNT) / RATE)
     assert np.count_nonzero(away) > 0.9 * COUNT
     errors = dict(zip(COLUMNS, relative_errors(got[away], rows[away]), strict=True))
     assert {n: e for n, e in errors.items() if not e < ACCURACY and n not in leave} == {}
@@ -84,33 +78,33 @@ CUBIC = [-0.3, 20.0, 3e3, -4e5]
 
 
 @pytest.mark.parametrize(
-    'profiles',
+    'ports',
     [
-        flank(begin=0.002, end=0.008, stiffness=CUBIC, damping=[-0.2, 0, 0, 0]),
+        flank(begin=0.002, end=0.008, stiffness=CUBIC, damping=[-0.2]),
         # A hollow of 5 um that is level with the flank at both ends of the stretch.
-        flank(pinion_tooth=2, begin=0.003, end=0.007, error=np.polynomial.Polynomial.fromroots(
+        flank('pinion', 2, 0.003, 0.007, error=np.polynomial.Polynomial.fromroots(
             [0.003, 0.003, 0.007]).coef * 5e-6 / 2.4e-9),
-        flank(gear_tooth=1, begin=0.0, end=0.0063, error=[4e-6, -1e-4, 2e-2, 0.5]),
-        flank(pinion_tooth=1, gear_tooth=1, begin=0.004, end=0.006, error=[-3e-6, 0, 0, 0]),
-        np.concatenate([flank(pinion_tooth=1, stiffness=CUBIC, begin=0.001, end=0.006),
-                        flank(error=[0, 1e-4, 0, 0]), flank(end=0.004, stiffness=CUBIC)]),
+        flank('gear', 1, 0.0, 0.0063, error=[4e-6, -1e-4, 2e-2, 0.5], friction=[0.05, 3.0]),
+        flank('pinion', 1, 0.004, 0.006, error=[-3e-6]),
+        flank('pinion', 1, 0.001, 0.006, stiffness=CUBIC) + flank(error=[0, 1e-4])
+        + flank(end=0.004, stiffness=CUBIC),
     ],
     ids=['stiffness dip', 'hollow', 'gear tooth', 'step', 'overlap'],
 )  # fmt: skip
-def test_flank_profiles_equal_reference(profiles):
-    assert_equal_to_reference(DEFAULT, 2500 * RPM, 150.0, profiles=profiles)
+def test_tooth_deviations_equal_reference(ports):
+    assert_equal_to_reference(DEFAULT, 2500 * RPM, 150.0, ports=ports)
 
 
 def test_flank_step_that_takes_a_pair_out_of_contact_equals_reference():
     # 60 um is more than the deflection: on this tooth the pair behind it carries alone.
-    profiles = flank(pinion_tooth=3, begin=0.001, end=0.0095, error=[60e-6, 0, 0, 0])
-    assert_equal_to_reference(DEFAULT, 1500 * RPM, 150.0, profiles=profiles)
+    ports = flank('pinion', 3, 0.001, 0.0095, error=[60e-6])
+    assert_equal_to_reference(DEFAULT, 1500 * RPM, 150.0, ports=ports)
 
 
-def ramped(pair, *, profiles=None, speed=None, torque=None):
+def ramped(pair, *, ports=HEALTHY, speed=None, torque=None):
     """Run at 1500 rpm and 150 N m, ramp at sample 60 and again at 120, compare all columns."""
     first = simulator(
-        pair, 1500 * RPM, 150.0, 1e-12, profiles=profiles,
+        pair, 1500 * RPM, 150.0, 1e-12, ports=ports,
         speed_rate_limit=20000.0, torque_rate_limit=80000.0,
     )  # fmt: skip
     got = [first.advance(60)]
@@ -124,9 +118,9 @@ def ramped(pair, *, profiles=None, speed=None, torque=None):
         pair,
         limited(1500 * RPM, speed, 20000.0) if speed else 1500 * RPM,
         limited(150.0, torque, 80000.0) if torque else 150.0,
-        () if profiles is None else profiles,
+        ports,
     )
-    rows, away = reference.run(np.arange(COUNT) / RATE, healthy_start(pair, 1500 * RPM, 150.0))
+    rows, away = reference.run(np.arange(COUNT) / RATE)
     errors = relative_errors(columns(np.concatenate(got))[away], rows[away])
     assert errors.max() < ACCURACY
 
@@ -161,11 +155,7 @@ def test_torque_ramps_through_zero_equal_reference():
     ramped(DEFAULT, torque=(60.0, -80.0))
 
 
-def test_speed_and_torque_ramps_with_flank_profiles_equal_reference():
-    profiles = np.concatenate(
-        [
-            flank(gear_tooth=1, begin=0.0, end=0.0063, error=[4e-6, -1e-4, 2e-2, 0.5]),
-            flank(begin=0.002, end=0.008, stiffness=CUBIC, damping=[-0.2, 0, 0, 0]),
-        ]
-    )
-    ramped(DEFAULT, speed=(200.0, 150.0), torque=(60.0, 120.0), profiles=profiles)
+def test_speed_and_torque_ramps_with_tooth_deviations_equal_reference():
+    ports = flank('gear', 1, 0.0, 0.0063, error=[4e-6, -1e-4, 2e-2, 0.5])
+    ports += flank(begin=0.002, end=0.008, stiffness=CUBIC, damping=[-0.2])
+    ramped(DEFAULT, speed=(200.0, 150.0), torque=(60.0, 120.0), ports=ports)

@@ -1,7 +1,7 @@
 """The reference equations integrated by SciPy's DOP853 with events of its own.
 
 Every interval between events is an initial value problem of its own, so that no step crosses an
-event: mesh events, the ends of flank profiles and of ramps are known ahead, contact events are
+event: mesh events, the ends of tooth deviations and of ramps are known ahead, contact events are
 found by `solve_ivp`.
 """
 
@@ -23,7 +23,7 @@ class Reference(Equations):
 
     Parameters
     ----------
-    pair, speed, torque, profiles, drive
+    pair, speed, torque, ports, drive, strength
         Of `Equations`.
     rtol : float
     """
@@ -37,21 +37,40 @@ class Reference(Equations):
     def _boundaries(self, duration):
         """Return every instant up to `duration` that is known ahead to be an event."""
         cuts = {0.0, self.eps - 1, self.l1 / self.pb, self.l1 / self.pb - 1}
-        for row in self.profiles:
-            for edge in (row['begin'] / self.pb, row['end'] / self.pb):
-                cuts |= {edge, edge - 1}
+        for term in self.ports:
+            for edge in getattr(term, 'edges', ()):
+                cuts |= {edge / self.pb, edge / self.pb - 1}
         cuts = [cut for cut in cuts if 0 <= cut < 1]
         times = [0.0, duration]
         times += [t for t in self.speed.times + self.torque.times if 0 < t < duration]
+        if self.strength is not None:
+            times += [t for t in self.strength.times if 0 < t < duration]
         last = self.phase(duration)
-        for cycle in range(math.floor(last) + 1):
-            for cut in cuts:
-                if 0 < cycle + cut < last:
-                    times.append(
-                        brentq(lambda t, at=cycle + cut: self.phase(t) - at, 0, duration,
-                               xtol=1e-17, rtol=1e-15)
-                    )  # fmt: skip
+        phases = {cycle + cut for cycle in range(math.floor(last) + 1) for cut in cuts}
+        for term in self.ports:
+            phases |= self._knots(term, times, last, duration)
+        for at in phases:
+            if 0 < at < last:
+                times.append(
+                    brentq(lambda t, at=at: self.phase(t) - at, 0, duration,
+                           xtol=1e-17, rtol=1e-15)
+                )  # fmt: skip
         return sorted(set(times))
+
+    def _knots(self, term, times, last, duration):
+        """Return the mesh phases of a table's knots, or add those in time to `times`."""
+        if not hasattr(term, 'knots'):
+            return set()
+        teeth = {'pinion': self.pair.pinion_teeth, 'gear': self.pair.gear_teeth}
+        scale = teeth.get(term.argument, 1)
+        knots = term.knots * scale
+        end = duration if term.argument == 'time' else last
+        laps = np.arange(-1, math.ceil(end / (knots[-1] - knots[0])) + 1)
+        all_knots = np.add.outer(laps * (knots[-1] - knots[0]), knots[:-1]).ravel().tolist()
+        if term.argument != 'time':
+            return set(all_knots)
+        times += [t for t in all_knots if 0 < t < duration]
+        return set()
 
     def run(self, times, start=None):
         """Return the (n, 12) columns at the given times (after t), and at which to trust them.
@@ -66,6 +85,7 @@ class Reference(Equations):
             before = {pair.number: pair.contact for pair in pairs}
             pairs = self.pairs_at(self.phase((begin + end) / 2))
             self.cuts.append(begin)
+            self.near = (begin + end) / 2
             self._follow_commands(begin)
             self._take_contacts(begin, y, pairs, before)
             y = self._interval(begin, end, y, pairs, times, rows)
@@ -74,15 +94,16 @@ class Reference(Equations):
 
     def _take_contacts(self, t, y, pairs, before):
         delta, delta_dot = self.deltas(t, y)
+        b, b_dot = self.half_backlash(t)
         self.sharing = len(pairs)
         for pair in pairs:
-            *_, e, e_dot = self.pair_terms(pair, t + 1e-15)
+            *_, e, e_dot = self.pair_terms(pair, t)
             side = delta - e
-            pair.contact = int(np.sign(side)) if abs(side) > self.b else 0
-            if pair.number in before and abs(abs(side) - self.b) < 1e-10 * self.b:
+            pair.contact = int(np.sign(side)) if abs(side) > b else 0
+            if pair.number in before and abs(abs(side) - b) < 1e-10 * b:
                 pair.contact = before[pair.number]
-            elif abs(abs(side) - self.b) < 1e-10 * self.b:
-                going_in = np.sign(side) * (delta_dot - e_dot) >= 0
+            elif abs(abs(side) - b) < 1e-10 * b:
+                going_in = np.sign(side) * (delta_dot - e_dot) >= b_dot
                 pair.contact = int(np.sign(side)) if going_in else 0
 
     def _contact_events(self, pairs):
@@ -95,7 +116,8 @@ class Reference(Equations):
                 def crossing(t, y, pair=pair, flank=flank):
                     self.sharing = len(pairs)
                     *_, e, _ = self.pair_terms(pair, t)
-                    return (self.deltas(t, y)[0] - e - flank * self.b) / self.b
+                    b = self.half_backlash(t)[0]
+                    return (self.deltas(t, y)[0] - e - flank * b) / self.b
 
                 crossing.terminal = True
                 crossing.direction = flank if pair.contact == 0 else -flank
@@ -137,11 +159,13 @@ class Reference(Equations):
         """
         y = out.y[:, -1]
         delta, delta_dot = self.deltas(t, y)
+        b, b_dot = self.half_backlash(t)
         for (pair, after), found in zip(meanings, out.t_events, strict=True):
             *_, e, e_dot = self.pair_terms(pair, t)
             flank = after or pair.contact
-            near = abs(delta - e - flank * self.b) < 1e-8 * self.b
-            if len(found) or (near and np.sign(delta_dot - e_dot) == (flank if after else -flank)):
+            near = abs(delta - e - flank * b) < 1e-8 * b
+            approach = np.sign(delta_dot - e_dot - flank * b_dot)
+            if len(found) or (near and approach == (flank if after else -flank)):
                 number = pair.number
                 self.events.append((t, pair.contact, after, number, delta - e, delta_dot - e_dot))
                 pair.contact = after

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.mesh.intervals import PROFILES
+from gear_dynamics.model.ports import Harmonic, Ports, ToothDeviation
 from gear_dynamics.parameters.parameter import ParameterError
 from gear_dynamics.simulation.batch import simulate_batch
 from gear_dynamics.simulation.simulate import simulate
@@ -96,14 +96,19 @@ def test_a_number_of_samples_is_whole(wrong):
     assert len(simulator.advance(0)) == 0
 
 
-@pytest.mark.parametrize(
-    ('profiles', 'says'),
-    [
-        ([1], 'profiles is of list'),
-        (np.zeros(3), 'profiles is of float64'),
-        (np.zeros(1, PROFILES), 'ends at s = 0 m: it must end after its begin, 0 m'),
-    ],
-)
-def test_profiles_are_a_table_of_profiles(profiles, says):
-    with pytest.raises(ParameterError, match=says):
-        Simulator(GearPair(), profiles=profiles)
+@pytest.mark.parametrize('ports', [[1], np.zeros(3), None])
+def test_ports_must_be_ports(ports):
+    with pytest.raises(ParameterError, match=r'ports is .*: it must be Ports'):
+        Simulator(GearPair(), ports=ports)
+
+
+def test_tooth_that_the_wheel_does_not_have_is_refused():
+    ports = Ports([ToothDeviation('pinion', 34, [0.0, 0.01], stiffness=[[-0.1]])])
+    with pytest.raises(ParameterError, match='tooth is 34: the pinion has teeth 0 to 33'):
+        Simulator(GearPair(), ports=ports)
+
+
+def test_backlash_that_could_close_is_refused():
+    ports = Ports([Harmonic('half_backlash', 'pinion', 1.0, 160e-6)])
+    with pytest.raises(ParameterError, match=r'half_backlash is 0\.00015 m'):
+        Simulator(GearPair(), ports=ports)

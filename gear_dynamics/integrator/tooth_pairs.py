@@ -1,0 +1,71 @@
+"""The deviations of the tooth pairs in contact over one step."""
+
+from __future__ import annotations
+
+import math
+
+from gear_dynamics.integrator.kernel import kernel
+from gear_dynamics.integrator.layout import PAIR_ERROR, PAIR_ROWS, ROWS
+from gear_dynamics.integrator.polynomial import add_scaled, compose
+from gear_dynamics.integrator.signals import strength
+
+
+@kernel
+def look_up(motion, tables, pairs):
+    """Sum up what holds for each tooth pair in contact; cut the step at the next change of it."""
+    contact = motion.contact
+    contact.active[0, :] = 0
+    contact.flawed[0, :] = 0
+    if tables.pieces.size == 0:
+        return
+    z1 = int(motion.constants.z1)
+    z2 = int(motion.constants.z2)
+    for ahead in range(pairs):
+        number = motion.phase.cycle - ahead
+        _look_up_group(motion, tables, ahead, 0)
+        _look_up_group(motion, tables, ahead, 1 + number % z1)
+        _look_up_group(motion, tables, ahead, 1 + z1 + number % z2)
+
+
+@kernel
+def _look_up_group(motion, tables, ahead, group):
+    """Add the pieces of all teeth or of one tooth that hold for a tooth pair."""
+    at, step = motion.phase.phase + ahead, motion.step
+    for i in range(tables.teeth[group], tables.teeth[group + 1]):
+        piece = tables.pieces[i]
+        if at >= piece.end:
+            continue
+        edge = (piece.begin if at < piece.begin else piece.end) - ahead
+        if edge < step.edge:
+            step.edge = edge
+        if at >= piece.begin:
+            _add_piece(motion, piece, tables.ramps[piece.ramp], ahead)
+
+
+@kernel
+def _add_piece(motion, piece, ramp, ahead):
+    """Add a piece, with the strength of its group, to what deviates at a tooth pair."""
+    contact, rows, scratch = motion.contact, motion.pairs[ahead], motion.scratch[0]
+    factor, slope = strength(motion, ramp)
+    if factor == 0.0 and slope == 0.0:
+        return
+    if contact.active[0, ahead] == 0:
+        contact.active[0, ahead] = 1
+        rows[:] = 0.0
+        motion.pair_degree[ahead] = 0
+    if piece.flawed:
+        contact.flawed[0, ahead] = 1
+    turn = motion.constants.z1 / (2 * math.pi)
+    by_length = 1.0 / (piece.end - piece.begin)
+    place = (motion.phase.phase + ahead - piece.begin) * by_length
+    rate = turn * motion.commands.speed * by_length
+    half_ramp = 0.5 * turn * motion.commands.accel * by_length
+    degree = motion.pair_degree[ahead]
+    for row in range(PAIR_ROWS):
+        if row == PAIR_ERROR and not piece.flawed:
+            continue
+        size = compose(piece.coefficients[row], place, rate, half_ramp, scratch)
+        # A row is zero beyond its terms, so that all rows may have the largest degree.
+        add_scaled(rows[row], ROWS - 1, scratch, size, factor, slope, ROWS)
+        degree = max(degree, min(size + (1 if slope != 0.0 else 0), ROWS - 1))
+    motion.pair_degree[ahead] = degree
