@@ -91,3 +91,12 @@ def test_example_hears_the_stream(domain):
     assert {each[3] for each in said} == {'512'}
     # The acceleration of the pinion, 794 m/s2 RMS in the long run.
     assert all(500 < float(each[4]) < 1200 for each in said)
+
+
+def test_code_that_the_documents_for_developers_name_is_there():
+    for file in ('CONTRIBUTING.md', 'docs/architecture.md'):
+        text = (ROOT / file).read_text(encoding='utf-8')
+        for name in set(re.findall(r'`([\w/]+(?:\.py|/))`', text)):
+            assert any((root / name).exists() for root in (ROOT, ROOT / 'gear_dynamics')), name
+        for name in re.findall(r'\]\(([\w/.]+)\)', text):
+            assert (ROOT / name).is_file() or (ROOT / 'docs' / name).is_file(), name
