@@ -19,6 +19,9 @@ from gear_dynamics.bag.source import LogError
 
 FORMATS = ('npz', 'csv')
 
+MOST_TOPICS = 500
+"""Topics that are exported without being named; each is read from the whole log."""
+
 
 def export(
     path: LogPath,
@@ -60,7 +63,7 @@ def export(
     write = {'npz': _write_npz, 'csv': _write_csv}[file_format]
     files: list[Path] = []
     with Log(path) as log:
-        names = [log.resolve(topic) for topic in topics] if topics else sorted(log.topics())
+        names = [log.resolve(topic) for topic in topics] if topics else _topics(log)
         folder.mkdir(parents=True, exist_ok=True)
         for name in names:
             progress(printable(name))
@@ -78,6 +81,16 @@ def export(
     if not files:
         raise LogError('the log has nothing that could be exported')
     return files
+
+
+def _topics(log: Log) -> list[str]:
+    """Return the names of all topics that have messages."""
+    names = sorted({channel.topic for channel, c in log.contents().items() if c.messages})
+    if len(names) > MOST_TOPICS:
+        raise LogError(
+            f'the log has {len(names)} topics: more than {MOST_TOPICS} must be named one by one'
+        )
+    return names
 
 
 def _file_of(topic: str, folder: Path, file_format: str, taken: Sequence[Path]) -> Path:

@@ -17,7 +17,7 @@ from gear_dynamics.bag.source import Damage, LogChannel, LogError
 from gear_dynamics.bag.time_range import log_time_range
 
 _ROWS_AT_FIRST = 1 << 16
-_SMALLEST_ROW = 16
+_BYTES_AT_FIRST = 1 << 23
 _EXPANSION = 64
 
 LARGEST_TEXTS = 1 << 32
@@ -175,7 +175,7 @@ def read_log(
         first = next(blocks, None)
         if first is None:
             return _empty(log, topic, columns)
-        expected = _expected_rows(log, log.resolve(topic), len(first), start, end)
+        expected = _expected_rows(log, log.resolve(topic), first, start, end)
         rows = np.empty(max(expected, len(first), 1), first.dtype)
         rows[: len(first)] = first
         filled = len(first)
@@ -203,14 +203,17 @@ def _check_columns(columns: Sequence[str] | None) -> None:
         raise LogError(f"columns is {columns!r}: it must be a list of names, as ['mesh_force']")
 
 
-def _expected_rows(log: Log, name: str, block: int, start: float | None, end: float | None) -> int:
+def _expected_rows(
+    log: Log, name: str, first: np.ndarray, start: float | None, end: float | None
+) -> int:
     """Guess the number of rows, so that the array need not grow: exact for equal blocks."""
+    width = max(first.dtype.itemsize, 1)
     if start is not None or end is not None or not log.indexed:
-        return _ROWS_AT_FIRST
+        return min(_ROWS_AT_FIRST, _BYTES_AT_FIRST // width)
     messages = sum(c.messages for channel, c in log.contents().items() if channel.topic == name)
     # An index may claim any number: no more is believed than a constant signal would give.
-    plausible = _EXPANSION * sum(source.size for source in log.sources) // _SMALLEST_ROW
-    return min(messages * block, plausible)
+    plausible = _EXPANSION * sum(source.size for source in log.sources) // width
+    return min(messages * len(first), plausible)
 
 
 def _bytes(rows: np.ndarray) -> np.ndarray:
