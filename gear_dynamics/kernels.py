@@ -21,6 +21,7 @@ from typing import Any
 
 import llvmlite.binding
 import numba
+import numpy as np
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
 from numba.misc.appdirs import AppDirs
 
@@ -44,13 +45,31 @@ def kernel(function: Callable | None = None, **options: Any) -> Any:
     """
     if function is None:
         return functools.partial(kernel, **options)
+    if numba.config.DISABLE_JIT:
+        return _plain(function)
     compiled = numba.njit(error_model='numpy', **options)(function)
-    if not numba.config.DISABLE_JIT:
-        try:
-            compiled._cache = _KernelCache(function)
-        except RuntimeError:  # no folder can be written
-            _warn_of_no_folder()
+    try:
+        compiled._cache = _KernelCache(function)
+    except RuntimeError:  # no folder can be written
+        _warn_of_no_folder()
     return compiled
+
+
+def _plain(function: Callable) -> Callable:
+    """Return a kernel as it runs where nothing is compiled: fields of records are attributes."""
+
+    def attributed(value: Any) -> Any:
+        if isinstance(value, np.ndarray) and value.dtype.names:
+            return value.view(np.recarray)
+        if isinstance(value, tuple) and hasattr(value, '_fields'):
+            return type(value)(*map(attributed, value))
+        return value
+
+    @functools.wraps(function)
+    def run(*arguments: Any) -> Any:
+        return function(*map(attributed, arguments))
+
+    return run
 
 
 def cache_folder() -> Path:

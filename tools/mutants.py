@@ -33,7 +33,7 @@ KERNEL_ROOMS = ('integrator',)
 
 TESTS = {
     'model': ['test/model'],
-    'integrator': ['test/integrator'],
+    'integrator': ['test/integrator/test_ports_reference.py'],
     'dynamics': ['test/dynamics'],
     'signal': ['test/signal'],
     'monitoring': ['test/monitoring', 'test/signal'],

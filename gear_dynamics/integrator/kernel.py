@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
+import numba
 from numba.core import types
 from numba.core.imputils import impl_ret_untracked
 from numba.extending import intrinsic
 
 from gear_dynamics.kernels import kernel
 
-__all__ = ['borrowed', 'kernel']
+__all__ = ['borrowed', 'kernel', 'vector_code']
 
 
-@intrinsic
+def vector_code(plain: Callable) -> Callable:
+    """Decorate a function that generates vector instructions, where `plain` says what they do.
+
+    Where nothing is compiled, `plain` takes its place.
+    """
+    return lambda generator: plain if numba.config.DISABLE_JIT else intrinsic(generator)
+
+
+@vector_code(lambda array: array)
 def borrowed(typing_context, array):
     """Return the array without its reference count, for use while the caller holds the array.
 

@@ -6,8 +6,9 @@ from typing import Any
 
 from llvmlite import ir
 from numba.core import types
-from numba.extending import intrinsic
 
+from gear_dynamics.integrator import plain
+from gear_dynamics.integrator.kernel import vector_code
 from gear_dynamics.integrator.layout import (
     AX1,
     HIGH_RATE_COLUMNS,
@@ -33,7 +34,7 @@ from gear_dynamics.integrator.vector import (
 from gear_dynamics.machine.columns import SAMPLE_COLUMNS
 
 
-@intrinsic
+@vector_code(plain.rough_log2)
 def rough_log2(typing_context, number):
     """Return the logarithm to base 2 of a positive number to 0.09, from its bits."""
 
@@ -45,7 +46,7 @@ def rough_log2(typing_context, number):
     return types.float64(number), generate
 
 
-@intrinsic
+@vector_code(plain.largest)
 def largest(typing_context, series, row, scales):
     """Return the largest magnitude in a row of a series, each column times its scale.
 
@@ -63,7 +64,7 @@ def largest(typing_context, series, row, scales):
     return types.float64(series, row, scales), generate
 
 
-@intrinsic
+@vector_code(plain.weighted_rows)
 def weighted_rows(typing_context, weights, rows, first, out, row):
     """Put the weighted sum of the columns AX1 to SAMPLE_DELTA_DOT of TAPS rows into those of `out`.
 
@@ -91,7 +92,7 @@ def weighted_rows(typing_context, weights, rows, first, out, row):
     return types.void(weights, rows, first, out, row), generate
 
 
-@intrinsic
+@vector_code(plain.weighted_line)
 def weighted_line(typing_context, weights, numbers, first):
     """Return the weighted sum of as many numbers as there are weights, from an index on.
 

@@ -6,8 +6,9 @@ from typing import Any
 
 from llvmlite import ir
 from numba.core import types
-from numba.extending import intrinsic
 
+from gear_dynamics.integrator import plain
+from gear_dynamics.integrator.kernel import vector_code
 from gear_dynamics.integrator.layout import (
     DELTA,
     PSI,
@@ -74,7 +75,7 @@ def _columns(builder: Any, data: Any) -> list[Any]:
     return [load(builder, data, LANES * k) for k in range(ROWS)]
 
 
-@intrinsic
+@vector_code(plain.columns_at)
 def columns_at(typing_context, series, t, out):
     """Put eight polynomials and their slopes at time t into rows 0 and 1 of `out`.
 
@@ -95,7 +96,7 @@ def columns_at(typing_context, series, t, out):
     return types.void(series, t, out), generate
 
 
-@intrinsic
+@vector_code(plain.advance_columns)
 def advance_columns(typing_context, series, t, state):
     """Put the state at time t into a (STATES,) array with room for one number more.
 
@@ -117,7 +118,7 @@ def advance_columns(typing_context, series, t, state):
     return types.void(series, t, state), generate
 
 
-@intrinsic
+@vector_code(plain.fill_rates)
 def fill_rates(typing_context, series, rates):
     """Fill the series of the derivatives that samples are made of, in the columns of a series.
 
@@ -143,7 +144,7 @@ def fill_rates(typing_context, series, rates):
     return types.void(series, rates), generate
 
 
-@intrinsic
+@vector_code(plain.fill_values)
 def fill_values(typing_context, series, rates, times, values):
     """Evaluate the polynomials that samples are made of at eight times.
 
@@ -168,7 +169,7 @@ def fill_values(typing_context, series, rates, times, values):
     return types.void(series, rates, times, values), generate
 
 
-@intrinsic
+@vector_code(plain.sixteenths)
 def sixteenths(typing_context, polynomials, row, h, out):
     """Put a polynomial and its slope at h/16, 2h/16, ..., h into rows 0 and 1 of `out`.
 
@@ -193,7 +194,7 @@ def sixteenths(typing_context, polynomials, row, h, out):
     return types.void(polynomials, row, h, out), generate
 
 
-@intrinsic
+@vector_code(plain.delta_stays_above)
 def delta_stays_above(typing_context, series, h, level):
     """Return whether delta stays above a level from time 0 to h: the common case, told quickly.
 

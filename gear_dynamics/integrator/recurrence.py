@@ -15,8 +15,9 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from numba.core import types
-from numba.extending import intrinsic
 
+from gear_dynamics.integrator import plain
+from gear_dynamics.integrator.kernel import vector_code
 from gear_dynamics.integrator.layout import (
     DELTA,
     PSI,
@@ -160,7 +161,7 @@ def _first_orders(builder: Any, state: Any, error: Any) -> list[_Order]:
     ]
 
 
-@intrinsic
+@vector_code(plain.begin_series)
 def begin_series(typing_context, state, error, series):
     """Fill rows 0 and 1 of a series: positions and velocities.
 
@@ -209,7 +210,7 @@ def _generate_orders(context: Any, builder: Any, kinds: Any, arguments: Any, pus
     return context.get_dummy_value()
 
 
-@intrinsic
+@vector_code(plain.fill_orders)
 def fill_orders(
     typing_context, answers, segment, state, error, travel, travel_rate, torque, torque_rate, series
 ):
@@ -229,7 +230,7 @@ def fill_orders(
     return signature, generate
 
 
-@intrinsic
+@vector_code(plain.fill_pushed_orders)
 def fill_pushed_orders(
     typing_context,
     answers,
@@ -257,7 +258,7 @@ def fill_pushed_orders(
     return signature, generate
 
 
-@intrinsic
+@vector_code(plain.fill_order)
 def fill_order(typing_context, answers, segment, error, k, weights, forced, push, series):
     """Fill row k + 2 of a series whose rows before are there.
 
