@@ -21,6 +21,9 @@ from gear_dynamics.parameters.parameter import Parameter, ParameterError, Parame
 
 _Set = TypeVar('_Set', bound=ParameterSet)
 
+Sets = Mapping[type[ParameterSet], ParameterSet]
+"""The present or proposed values of a node's lists."""
+
 _ROS_SWITCHES = ('use_sim_time', 'start_type_description_service')
 
 
@@ -47,19 +50,26 @@ class NodeParameters:
         self._lists = tuple(lists)
         self._about = {about.name: about for each in lists for about in each.parameters()}
         self._listeners: list[Callable[[frozenset[str]], None]] = []
+        self._checks: list[Callable[[Sets, frozenset[str]], None]] = []
         self._mirroring = False
         names = node.list_parameters([], ListParameters.Request.DEPTH_RECURSIVE).names
         given = {name: node.get_parameter(name).value for name in names}
         refuse_unknown([name for name in given if name not in self._about])
         _check_ros_parameters(given)
         self._sets = self._make(given)
-        for name in known_names().intersection(given) - self._about.keys():
-            node.undeclare_parameter(name)  # another node's, out of a file for several
+        for name in given.keys() - self._about.keys():
+            if name in known_names() or name.startswith('fault.'):
+                node.undeclare_parameter(name)  # another node's, out of a file for several
         for about in self._about.values():
             self._declare(about)
         node.add_pre_set_parameters_callback(self._convert)
         node.add_on_set_parameters_callback(self._check)
         node.add_post_set_parameters_callback(self._accept)
+
+    @property
+    def sets(self) -> Sets:
+        """The present values of all lists."""
+        return self._sets
 
     def get(self, which: type[_Set]) -> _Set:
         """Return the present values of one of the lists."""
@@ -70,6 +80,26 @@ class NodeParameters:
     def on_change(self, listener: Callable[[frozenset[str]], None]) -> None:
         """Have `listener` called with the names that were set, after every live change."""
         self._listeners.append(listener)
+
+    def add_check(self, check: Callable[[Sets, frozenset[str]], None]) -> None:
+        """Have `check` called with the lists as they would be and the names that are being set.
+
+        A ParameterError that it raises refuses the change. The present values are checked at once.
+        """
+        check(self._sets, frozenset(self._about))
+        self._checks.append(check)
+
+    def replace(self, values: ParameterSet) -> None:
+        """Set a whole list, what cannot change while running too, without telling the listeners."""
+        about = [self._node.describe_parameter(each.name) for each in values.parameters()]
+        fixed = [each for each in about if each.read_only]
+        for each in fixed:
+            each.read_only = False
+        try:
+            self.mirror(values.to_mapping())
+        finally:
+            for each in fixed:
+                each.read_only = True
 
     def mirror(self, values: Mapping[str, Value]) -> None:
         """Set live parameters to what already holds, without telling the listeners."""
@@ -112,7 +142,10 @@ class NodeParameters:
 
     def _check(self, parameters: list[rclpy.parameter.Parameter]) -> SetParametersResult:
         try:
-            self._make({**self._values(), **{each.name: each.value for each in parameters}})
+            given = {each.name: each.value for each in parameters}
+            proposed = self._make({**self._values(), **given})
+            for check in () if self._mirroring else self._checks:
+                check(proposed, frozenset(given))
         except ParameterError as error:
             return SetParametersResult(successful=False, reason=str(error))
         return SetParametersResult(successful=True)

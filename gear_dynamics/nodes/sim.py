@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import sys
 import time
 from collections.abc import Iterator, Sequence
@@ -13,9 +14,11 @@ from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 
 from gear_dynamics.compiling import compiling
+from gear_dynamics.model.faults import Fault
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.nodes.commands import Commands
 from gear_dynamics.nodes.diagnostics import Diagnostics
+from gear_dynamics.nodes.faults import LabelTopic, concerns_faults, faults_of, refuse_unfit
 from gear_dynamics.nodes.monitor_topics import MonitorTopics
 from gear_dynamics.nodes.pacing import SECOND, Schedule, StampCounter
 from gear_dynamics.nodes.parameters import NodeParameters
@@ -25,6 +28,9 @@ from gear_dynamics.nodes.stream import Stream
 from gear_dynamics.nodes.topics import publisher
 from gear_dynamics.parameters.settings import SimSettings
 from gear_dynamics.simulation.configuration import configuration_text
+from gear_dynamics.simulation.faults import FaultSettings
+from gear_dynamics.simulation.pair_file import read_pair
+from gear_dynamics.simulation.sensor import Sensor
 from gear_dynamics.simulation.simulator import IntegrationError, Simulator
 from gear_dynamics.wire.topics import CONFIGURATION
 
@@ -52,9 +58,14 @@ class Sim:
         pair, settings = parameters.get(GearPair), parameters.get(SimSettings)
         self._block_size = settings.block_size
         self._rate = settings.sample_rate
-        self._simulator = _make_simulator(node, pair, settings)
+        self._name = node.get_fully_qualified_name()
+        parameters.add_check(functools.partial(refuse_unfit, node=self._name))
+        if settings.pair_file:
+            pair, settings = self._take_pair(settings.pair_file)
+        self._sensor = Sensor(settings.noise_density, settings.noise_seed, self._rate)
+        self._simulator = _make_simulator(node, pair, settings, faults_of(parameters.sets))
         fast = settings.real_time_factor == 0
-        self._stream = Stream(node, keep_all=fast, publish_clock=settings.publish_clock)
+        self._stream = Stream(node, fast, settings.publish_clock, settings.tacho)
         sample_ns = 0.0 if fast else SECOND / self._rate / settings.real_time_factor
         self._monitor = MonitorTopics(node, self._rate, settings.monitor_rate, sample_ns)
         self._stamps = StampCounter(settings.sample_rate)
@@ -65,6 +76,7 @@ class Sim:
             settings, self._simulator, self._schedule, lambda: self._commands.rejected
         )
         self._diagnostics = Diagnostics(node, self._health.tasks())
+        self._labels = LabelTopic(node, self._rate)
         self._publish_configuration_on(parameters)
         node.create_service(Trigger, '~/reset', self._reset)
         node.create_service(SetBool, '~/pause', self._pause)
@@ -96,13 +108,32 @@ class Sim:
             if commanded:
                 self._commands.forget(commanded)
                 self._simulator.command(**{name: getattr(settings, name) for name in commanded})
-            if names - commanded:
+            if 'pair_file' in names and settings.pair_file:
+                self._start_anew(settings.pair_file)
+            elif names - commanded:
+                faulty = any(concerns_faults(name) for name in names)
                 self._simulator.change(
                     pair=self._parameters.get(GearPair),
+                    faults=faults_of(self._parameters.sets) if faulty else None,
                     speed_rate_limit=settings.speed_rate_limit,
                     torque_rate_limit=settings.torque_rate_limit,
                 )
         self._configuration_changed = True
+
+    def _take_pair(self, path: str) -> tuple[GearPair, SimSettings]:
+        """Take over the pair of a file, and the operating point that the file gives."""
+        given = read_pair(path, self._name)
+        self._parameters.replace(given.pair)
+        self._parameters.mirror(given.operation)
+        return given.pair, self._parameters.get(SimSettings)
+
+    def _start_anew(self, path: str) -> None:
+        """Start the model with the pair of a file, the present faults and the file's commands."""
+        pair, settings = self._take_pair(path)
+        self._commands.forget(Commands.names)
+        self._simulator.command(speed=settings.speed, load_torque=settings.load_torque)
+        self._simulator.reset(pair, faults_of(self._parameters.sets))
+        self._restart()
 
     def _publish_configuration(self) -> None:
         self._configuration_changed |= self._commands.mirror()
@@ -158,17 +189,21 @@ class Sim:
         self._obey()
         first = self._simulator.samples_done
         with _one_line():
-            samples = self._simulator.advance(self._block_size)
+            samples = self._sensor.measured(self._simulator.advance(self._block_size))
         stamp, end = self._stamps.stamp(first), self._stamps.stamp(first + len(samples))
         start = first / self._rate
+        self._labels.publish(self._simulator.labels, first, stamp)
         self._stream.put(samples, self._simulator.take_events(), start, stamp, end)
         self._monitor.publish(samples, self._simulator.shafts, first, self._stamps.stamp)
 
 
-def _make_simulator(node: Node, pair: GearPair, settings: SimSettings) -> Simulator:
+def _make_simulator(
+    node: Node, pair: GearPair, settings: SimSettings, faults: Sequence[Fault]
+) -> Simulator:
     with compiling('the model', node.get_logger().info), _one_line():
         simulator = Simulator(
             pair,
+            faults=faults,
             sample_rate=settings.sample_rate,
             speed=settings.speed,
             load_torque=settings.load_torque,
@@ -198,7 +233,7 @@ def _one_line() -> Iterator[None]:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the node until it is told to stop; return the exit code."""
-    return run_node('gear_sim', ABOUT, (GearPair, SimSettings), Sim, argv)
+    return run_node('gear_sim', ABOUT, (GearPair, SimSettings, FaultSettings), Sim, argv)
 
 
 if __name__ == '__main__':

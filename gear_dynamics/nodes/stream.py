@@ -9,6 +9,7 @@ from rclpy.publisher import Publisher
 from rclpy.qos import HistoryPolicy
 
 from gear_dynamics.nodes.topics import publisher
+from gear_dynamics.simulation.sensor import TACHO, tacho_pulses
 from gear_dynamics.wire.messages import message_class, serialize
 from gear_dynamics.wire.tables import columns_as_float32, encode_table
 from gear_dynamics.wire.topics import CLOCK, EVENTS_TOPIC, FRAME, SAMPLES
@@ -27,9 +28,14 @@ class Stream:
         Whether no block may be lost: then `publish` tells when a listener is too far behind.
     publish_clock : bool
         Whether the stamps drive /clock.
+    tacho : bool
+        Whether the samples get a column of tacho pulses.
     """
 
-    def __init__(self, node: Node, keep_all: bool, publish_clock: bool) -> None:
+    def __init__(
+        self, node: Node, keep_all: bool, publish_clock: bool, tacho: bool = False
+    ) -> None:
+        self._tacho = tacho
         self._samples = publisher(node, SAMPLES, keep_all=keep_all)
         self._events = publisher(node, EVENTS_TOPIC, keep_all=keep_all)
         self._clock = publisher(node, CLOCK) if publish_clock else None
@@ -54,6 +60,8 @@ class Stream:
         events = events.copy()
         events['t'] -= start
         rows = columns_as_float32(samples, start)
+        if self._tacho:
+            rows = _with_tacho(rows, samples)
         self._waiting = [
             (self._samples, encode_table(rows, stamp_ns, FRAME)),
             (self._events, encode_table(events, stamp_ns, FRAME)),
@@ -76,6 +84,15 @@ class Stream:
         """Give listeners that live a moment to receive what was published last."""
         for each in (self._samples, self._events):
             each.wait_for_all_acked(Duration(seconds=LAST))
+
+
+def _with_tacho(rows: np.ndarray, samples: np.ndarray) -> np.ndarray:
+    """Return rows of float32 with the column of pulses behind them."""
+    wide = np.empty(len(rows), [*rows.dtype.descr, (TACHO, np.float32)])
+    for name in rows.dtype.names or ():
+        wide[name] = rows[name]
+    wide[TACHO] = tacho_pulses(samples)
+    return wide
 
 
 def try_publish(publisher: Publisher, data: bytes) -> bool:

@@ -34,6 +34,15 @@ class SimSettings(RunSettings):
         maximum=1000.0,
     )
     publish_clock: bool = parameter(False, 'whether /clock is published for use_sim_time')
+    noise_density: str = parameter(
+        '',
+        "white noise of channels, such as 'pinion_ay 0.01, mesh_force 2' [unit / sqrt(Hz)]; empty "
+        'is none',
+    )
+    noise_seed: int = parameter(1, 'seed of the noise', minimum=0, maximum=2147483647)
+    tacho: bool = parameter(
+        False, 'whether samples has a column tacho: 1 for the first tenth of each revolution'
+    )
     faults: str = parameter(
         '', 'YAML file with a list of faults, see docs/faults.md; empty is none', live=True
     )

@@ -17,6 +17,8 @@ from gear_dynamics.integrator.layout import HIGH_RATE_COLUMNS
 from gear_dynamics.integrator.motion import start
 from gear_dynamics.integrator.records import empty_records
 from gear_dynamics.machine.columns import SAMPLE_COLUMNS, SAMPLES
+from gear_dynamics.model.faults import Fault, Operation
+from gear_dynamics.model.faults.collection import checked_faults, fault_ports
 from gear_dynamics.model.gear_pair import GearPair, checked_pair
 from gear_dynamics.model.ports import HEALTHY, Ports, checked_ports
 from gear_dynamics.parameters.parameter import ParameterError
@@ -176,6 +178,24 @@ def spread_ports(ports: Ports | Sequence[Ports], n: int) -> list[Ports]:
     return given
 
 
+def spread_faults(faults: Any, n: int) -> list[tuple[Fault, ...]]:
+    """Return the faults of n machines, which may be given once for all.
+
+    Raises
+    ------
+    ParameterError
+        If these are no faults, or lists of another number.
+    """
+    given = faults if isinstance(faults, Fault) else list(faults)
+    if isinstance(given, list) and given and not any(isinstance(each, Fault) for each in given):
+        if len(given) != n:
+            raise ParameterError(
+                f'faults has {len(given)} lists: give one, or {n}, one a gear pair'
+            )
+        return [checked_faults(each) for each in given]
+    return [checked_faults(given)] * n
+
+
 def simulate_batch(
     pairs: Sequence[GearPair],
     speeds: float | Sequence[float] | np.ndarray = 104.72,
@@ -183,6 +203,7 @@ def simulate_batch(
     duration: float = 1.0,
     sample_rate: float = 51200.0,
     *,
+    faults: Sequence[Fault] | Sequence[Sequence[Fault]] = (),
     ports: Ports | Sequence[Ports] = HEALTHY,
     anti_alias: bool = True,
     rtol: float = 1e-6,
@@ -204,6 +225,8 @@ def simulate_batch(
         Model time [s].
     sample_rate : float
         Samples per second [Hz].
+    faults : sequence of Fault, or n of them
+        What is wrong with the machines: the same with all, or a list for each.
     ports : Ports or n Ports
         How the machines depart from the healthy ones.
     anti_alias : bool
@@ -224,7 +247,7 @@ def simulate_batch(
     """
     pairs = checked_pairs(pairs)
     n = len(pairs)
-    all_ports = spread_ports(ports, n)
+    all_ports, all_faults = spread_ports(ports, n), spread_faults(faults, n)
     speeds, load_torques = spread(speeds, n, 'speeds'), spread(load_torques, n, 'load_torques')
     runs = [
         RunSettings(
@@ -237,6 +260,9 @@ def simulate_batch(
         )
         for speed, torque in zip(speeds, load_torques, strict=True)
     ]
+    for i, (pair, run) in enumerate(zip(pairs, runs, strict=True)):
+        operation = Operation(run.speed, run.load_torque)
+        all_ports[i] = fault_ports(pair, all_faults[i], operation) + all_ports[i]
     samples = np.zeros((n, runs[0].sample_count(duration, SAMPLES.itemsize, n)), SAMPLES)
     if anti_alias:
         _fill_band_limited(pairs, runs, all_ports, samples)

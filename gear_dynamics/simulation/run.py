@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from gear_dynamics.model.faults import Fault
+from gear_dynamics.model.faults.label import Label, labels
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.parameters.run_settings import RunSettings
 
@@ -27,12 +29,20 @@ class Run:
     pair : GearPair
     settings : RunSettings
         As they are at the end of the run.
+    faults : tuple of Fault
+        What was wrong with the machine.
     """
 
     samples: np.ndarray
     events: np.ndarray
     pair: GearPair
     settings: RunSettings
+    faults: tuple[Fault, ...] = ()
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        """What was wrong with the machine, and the orders at which it shows."""
+        return labels(self.faults, self.pair)
 
     def __len__(self) -> int:
         return len(self.samples)

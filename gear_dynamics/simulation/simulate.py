@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from gear_dynamics.machine.columns import EVENTS, SAMPLES
+from gear_dynamics.model.faults import Fault
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.simulation.run import Run
 from gear_dynamics.simulation.simulator import Simulator
@@ -19,6 +22,7 @@ def simulate(
     speed: float = 104.72,
     load_torque: float = 150.0,
     *,
+    faults: Sequence[Fault] = (),
     anti_alias: bool = True,
     rtol: float = 1e-6,
     atol: float = 1e-9,
@@ -36,6 +40,8 @@ def simulate(
         Pinion speed [rad/s].
     load_torque : float
         On the gear [N m].
+    faults : sequence of Fault
+        What is wrong with the machine, such as gd.faults.RootCrack('pinion', tooth=5).
     anti_alias : bool
         Whether the samples are band-limited, as those of the node are; False gives raw values.
     rtol, atol : float
@@ -49,7 +55,7 @@ def simulate(
     Raises
     ------
     ParameterError
-        If an argument is out of its range.
+        If an argument is out of its range, or a fault does not fit the pair.
     IntegrationError
         If the integrator cannot go on.
 
@@ -63,6 +69,7 @@ def simulate(
     """
     simulator = Simulator(
         pair,
+        faults=faults,
         sample_rate=sample_rate,
         speed=speed,
         load_torque=load_torque,
@@ -77,4 +84,6 @@ def simulate(
         end = min(begin + _BLOCK, count)
         samples[begin:end] = simulator.advance(end - begin)
         events.append(simulator.take_events())
-    return Run(samples, np.concatenate(events), simulator.pair, simulator.settings)
+    return Run(
+        samples, np.concatenate(events), simulator.pair, simulator.settings, simulator.faults
+    )

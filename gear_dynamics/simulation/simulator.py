@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import operator
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,9 @@ from gear_dynamics.integrator.layout import (
 from gear_dynamics.integrator.motion import Motion, copy_of, elapsed, renewed, start
 from gear_dynamics.integrator.tables import Fade, Group, make_tables
 from gear_dynamics.machine.columns import EVENTS, SAMPLE_COLUMNS, SAMPLES, SHAFTS
+from gear_dynamics.model.faults import Fault
+from gear_dynamics.model.faults.collection import checked_faults
+from gear_dynamics.model.faults.label import Label, labels
 from gear_dynamics.model.gear_pair import GearPair, checked_pair
 from gear_dynamics.model.ports import HEALTHY, Ports, checked_ports
 from gear_dynamics.parameters.parameter import ParameterError, refuse_unknown_name
@@ -91,6 +95,8 @@ class Simulator:
     pair : GearPair
     drive : bool
         False runs the reduced form of docs/model.md.
+    faults : sequence of Fault
+        What is wrong with the machine, such as gd.faults.RootCrack('pinion', tooth=5).
     ports : Ports
         How the machine departs from the healthy one.
     **values
@@ -104,13 +110,19 @@ class Simulator:
     """
 
     def __init__(
-        self, pair: GearPair, *, drive: bool = True, ports: Ports = HEALTHY, **values: Any
+        self,
+        pair: GearPair,
+        *,
+        faults: Sequence[Fault] = (),
+        drive: bool = True,
+        ports: Ports = HEALTHY,
+        **values: Any,
     ) -> None:
         self.pair = checked_pair(pair)
         for name in values:
             refuse_unknown_name(name, [about.name for about in RunSettings.parameters()])
         self.settings = RunSettings(**values)
-        self.ports = checked_ports(ports)
+        self.ports, self.faults = checked_ports(ports), checked_faults(faults)
         self._drive = drive
         self._limiters = self._make_limiters() if self.settings.anti_alias else []
         self._jumps = np.zeros((_CHUNK if self._limiters else 0, ROWS_OF_JUMP, HIGH_RATE_COLUMNS))
@@ -128,6 +140,11 @@ class Simulator:
         return limiters
 
     @property
+    def labels(self) -> tuple[Label, ...]:
+        """What is wrong with the machine, and the orders at which it shows."""
+        return labels(self.faults, self.pair)
+
+    @property
     def sample_rate(self) -> float:
         """Samples per second of model time [Hz]."""
         return self.settings.sample_rate
@@ -136,8 +153,25 @@ class Simulator:
     def _record(self) -> np.void:
         return self._motion.records[0]
 
-    def reset(self) -> None:
-        """Go back to t = 0, in the static deflection of the present commands."""
+    def reset(self, pair: GearPair | None = None, faults: Sequence[Fault] | None = None) -> None:
+        """Go back to t = 0, in the static deflection of the present commands.
+
+        Parameters
+        ----------
+        pair : GearPair, optional
+            Another pair to go on with.
+        faults : sequence of Fault, optional
+            All that is wrong with the machine from then on; the present faults by default.
+
+        Raises
+        ------
+        ParameterError
+            If `pair` is no gear pair, or a fault does not fit it; nothing changes then.
+        """
+        new_pair = self.pair if pair is None else checked_pair(pair)
+        new_faults = self.faults if faults is None else checked_faults(faults)
+        model_ports(new_pair, self.settings, self.ports, new_faults)
+        self.pair, self.faults = new_pair, new_faults
         self._held_events: list[np.ndarray] = []
         self._motion = self._start()
         if self._limiters:
@@ -151,7 +185,7 @@ class Simulator:
 
     def _start(self) -> Motion:
         oversampling = OVERSAMPLING ** len(self._limiters)
-        ports = model_ports(self.pair, self.settings, self.ports)
+        ports = model_ports(self.pair, self.settings, self.ports, self.faults)
         self._fade = Fade.of(ports)
         return start(self.pair, self.settings, oversampling, self._drive, ports)
 
@@ -242,7 +276,7 @@ class Simulator:
         settings = self._with(speed=speed, load_torque=load_torque)
         self._interrupt()
         self._go_by(settings)
-        if self.pair.friction_model != 'coulomb':
+        if self.pair.friction_model != 'coulomb' or any(f.FOLLOWS_COMMANDS for f in self.faults):
             self._put_ports(self._time_to_targets())
 
     def _with(self, **values: float | None) -> RunSettings:
@@ -281,6 +315,7 @@ class Simulator:
         self,
         *,
         pair: GearPair | None = None,
+        faults: Sequence[Fault] | None = None,
         ports: Ports | None = None,
         ramp: float = RAMP,
         speed_rate_limit: float | None = None,
@@ -291,6 +326,8 @@ class Simulator:
         Parameters
         ----------
         pair : GearPair, optional
+        faults : sequence of Fault, optional
+            All that is wrong with the machine from now on.
         ports : Ports, optional
             How the machine departs from the healthy one from now on.
         ramp : float
@@ -312,11 +349,12 @@ class Simulator:
         new_pair = self.pair if pair is None else checked_pair(pair)
         self._refuse_fixed(new_pair)
         new_ports = self.ports if ports is None else checked_ports(ports)
+        new_faults = self.faults if faults is None else checked_faults(faults)
         # What cannot be is refused before anything changes.
-        make_tables(new_pair, [Group(model_ports(new_pair, settings, new_ports))])
+        make_tables(new_pair, [Group(model_ports(new_pair, settings, new_ports, new_faults))])
         self._interrupt()
-        self.pair, self.ports = new_pair, new_ports
-        if pair is not None or ports is not None:
+        self.pair, self.ports, self.faults = new_pair, new_ports, new_faults
+        if pair is not None or ports is not None or faults is not None:
             self._put_ports(ramp)
         self._go_by(settings)
 
@@ -330,7 +368,7 @@ class Simulator:
 
     def _put_ports(self, ramp: float) -> None:
         """Put the present pair and ports into the motion, which goes on from the same state."""
-        target = model_ports(self.pair, self.settings, self.ports)
+        target = model_ports(self.pair, self.settings, self.ports, self.faults)
         begin = elapsed(self._record)
         self._fade = self._fade.towards(target, begin, ramp)
         self._motion = renewed(self._motion, self.pair, self.settings, self._drive, self._fade)
@@ -366,6 +404,7 @@ class Simulator:
             pair=self.pair,
             settings=self.settings,
             ports=self.ports,
+            faults=self.faults,
             drive=self._drive,
             samples_done=self.samples_done,
             motion=copy_of(self._motion),
@@ -388,7 +427,8 @@ class Simulator:
                 raise ParameterError(f'{name} is {mine!r}: the state is of {other!r}')
         if state.drive != self._drive:
             raise ParameterError(f'drive is {self._drive!r}: the state is of {state.drive!r}')
-        self.pair, self.settings, self.ports = state.pair, state.settings, state.ports
+        self.pair, self.settings = state.pair, state.settings
+        self.ports, self.faults = state.ports, state.faults
         self._motion, self._fade = copy_of(state.motion), state.fade
         self._held_events = list(state.held_events)
         self.samples_done = state.samples_done
@@ -398,7 +438,9 @@ class Simulator:
     def copy(self) -> Simulator:
         """Return an independent simulator in the same state."""
         values = dataclasses.asdict(self.settings)
-        other = Simulator(self.pair, drive=self._drive, ports=self.ports, **values)
+        other = Simulator(
+            self.pair, drive=self._drive, ports=self.ports, faults=self.faults, **values
+        )
         other.set_state(self.state())
         return other
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -16,18 +17,21 @@ from gear_dynamics.integrator.layout import (
 from gear_dynamics.integrator.motion import Motion, copy_of, place_all_contacts, time_of
 from gear_dynamics.integrator.series import advance_state
 from gear_dynamics.integrator.tables import Fade
-from gear_dynamics.model.friction import friction_ports
+from gear_dynamics.model.faults import Fault, Operation
+from gear_dynamics.model.faults.collection import machine_ports
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.mesh.healthy import healthy_ports
 from gear_dynamics.model.ports import Ports
 from gear_dynamics.model.system import system
 from gear_dynamics.parameters.parameter import ParameterError
 from gear_dynamics.parameters.run_settings import RunSettings
 
 
-def model_ports(pair: GearPair, settings: RunSettings, ports: Ports) -> Ports:
-    """Return all ports of a machine: of its healthy mesh, of its friction, and those given."""
-    return healthy_ports(pair) + friction_ports(pair, settings.speed, settings.load_torque) + ports
+def model_ports(
+    pair: GearPair, settings: RunSettings, ports: Ports, faults: Sequence[Fault] = ()
+) -> Ports:
+    """Return all ports of a machine: of its mesh, friction and faults, and those given."""
+    operation = Operation(settings.speed, settings.load_torque)
+    return machine_ports(pair, faults, operation) + ports
 
 
 @kernel
@@ -41,7 +45,7 @@ class State:
 
     Attributes
     ----------
-    pair, settings, ports, drive : as of the Simulator
+    pair, settings, ports, faults, drive : as of the Simulator
     samples_done : int
         Samples that were handed out.
     motion, fade, held_events, filters
@@ -51,6 +55,7 @@ class State:
     pair: GearPair
     settings: RunSettings
     ports: Ports
+    faults: tuple[Fault, ...]
     drive: bool
     samples_done: int
     motion: Motion

@@ -160,6 +160,15 @@ CONFIGURATION = Topic(
     'at the start and after every change, at most ten a second',
     _LATCHED,
 )
+LABEL = Topic(
+    'gear_pair/label',
+    STATUS_TYPE,
+    'gear_sim',
+    'ground truth of the faults: one status each, with fault, wheel, tooth, severity and orders; '
+    'kept for late listeners',
+    'at every change, and once a second of model time',
+    _LATCHED,
+)
 VECTORS = tuple(
     Topic(name, type_name, 'gear_sim', about, '`monitor_rate`', _STREAM, logged=False, xy=xy)
     for name, type_name, about, xy in (
@@ -273,6 +282,7 @@ TOPICS = (
     SAMPLES,
     EVENTS_TOPIC,
     CONFIGURATION,
+    LABEL,
     *VECTORS,
     JOINT_STATES,
     SPEED_COMMAND,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -11,7 +12,7 @@ from gear_dynamics.model.faults.fault import Fault, Operation
 from gear_dynamics.model.friction import friction_ports
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.mesh.piecewise import Pieces
-from gear_dynamics.model.ports import Ports, ToothDeviation
+from gear_dynamics.model.ports import HEALTHY, Ports, ToothDeviation
 from gear_dynamics.parameters.parameter import ParameterError, refuse_unknown_name
 
 LEAST_STIFFNESS = 0.02
@@ -38,30 +39,48 @@ def checked_faults(faults: Any) -> tuple[Fault, ...]:
     return listed
 
 
-def machine_ports(
-    pair: GearPair, faults: Iterable[Fault] = (), operation: Operation | None = None
+def fault_ports(
+    pair: GearPair, faults: Iterable[Fault], operation: Operation | None = None
 ) -> Ports:
-    """Return all departures of a machine from the nominal pair: its own, friction and faults.
+    """Return what faults do to a gear pair together.
 
     Parameters
     ----------
     pair : GearPair
     faults : iterable of Fault
     operation : Operation, optional
-        The commanded operating point, for friction models and the faults that depend on it.
+        The commanded operating point, for the faults that depend on it.
 
     Raises
     ------
     ParameterError
-        If a fault does not fit the pair, or the faults together leave no backlash or no support.
+        If a fault does not fit the pair, or the faults together leave no backlash, no support or
+        no stiffness of a tooth pair.
+    """
+    total = HEALTHY
+    for fault in faults:
+        total = total + _ports_of(fault, pair, operation or Operation())
+    if total != HEALTHY:
+        _refuse_excess(pair, total)
+        _refuse_negative_stiffness(pair, pair.healthy_ports + total)
+    return total
+
+
+def machine_ports(
+    pair: GearPair, faults: Iterable[Fault] = (), operation: Operation | None = None
+) -> Ports:
+    """Return all departures of a machine from the nominal pair: its own, friction and faults.
+
+    Parameters and errors are those of `fault_ports`; friction follows the operating point too.
     """
     operation = operation or Operation()
-    total = pair.healthy_ports + friction_ports(pair, *operation)
-    for fault in faults:
-        total = total + fault.ports(pair, operation)
-    _refuse_excess(pair, total)
-    _refuse_negative_stiffness(pair, total)
-    return total
+    own = pair.healthy_ports + friction_ports(pair, *operation)
+    return own + fault_ports(pair, faults, operation)
+
+
+@functools.lru_cache(maxsize=256)
+def _ports_of(fault: Fault, pair: GearPair, operation: Operation) -> Ports:
+    return fault.ports(pair, operation)
 
 
 def _refuse_excess(pair: GearPair, ports: Ports) -> None:
