@@ -8,14 +8,14 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from demo.stream import DemoError, Streamed, stream
+from demo.stream import CRACKED_TOOTH, DemoError, Streamed, stream
 from gear_dynamics.bag.source import LogError
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.parameters.settings import SimSettings
 
 FOLDER = Path('demo') / 'output'
-DURATION = 15.0
-"""How long it streams, in the time of the model [s]; the speed changes in the middle."""
+DURATION = 24.0
+"""How long it streams, in the time of the model [s]."""
 
 
 def main() -> int:
@@ -40,14 +40,15 @@ def main() -> int:
 def _report(log: Path, streamed: Streamed) -> None:
     # Imported now: loading SciPy and Matplotlib must not delay the start.
     from demo.figure import draw
-    from demo.report import read_halves
+    from demo.report import read_parts
 
     pair, settings, picture = GearPair(), SimSettings(), FOLDER / 'gear_dynamics.png'
-    halves, gaps = read_halves(log, pair.pinion_teeth)
+    parts, gaps = read_parts(log, pair.pinion_teeth)
     teeth = f'{pair.pinion_teeth}/{pair.gear_teeth}'
     draw(
         picture,
-        halves,
+        parts,
+        CRACKED_TOOTH,
         f'A spur gear pair of {teeth} teeth under {settings.load_torque:g} N m, '
         f'streamed at {settings.sample_rate / 1000:g} kHz',
     )
@@ -56,11 +57,16 @@ def _report(log: Path, streamed: Streamed) -> None:
         f'at {streamed.real_time_factor:.3f} times real time.\n'
         f'The log has {gaps or "no"} gap{"" if gaps == 1 else "s"}.'
     )
-    for half in halves:
+    for part in parts[:2]:
         print(
-            f'At {half.rpm:.0f} rpm the teeth mesh {half.expected:.1f} times a second; '
-            f'the spectrum shows {half.found:.1f} Hz.'
+            f'At {part.rpm:.0f} rpm the teeth mesh {part.expected:.1f} times a second; '
+            f'the spectrum shows {part.found:.1f} Hz.'
         )
+    print(
+        f'Tooth {CRACKED_TOOTH} of the pinion was cracked, which is in contact from '
+        f'{CRACKED_TOOTH} to {CRACKED_TOOTH + pair.derived.contact_ratio:.1f} teeth of its turn; '
+        f'the synchronous average is greatest at {parts[2].loudest_place():.1f}.'
+    )
     print(f'Log:     {log}\nPicture: {picture}')
 
 

@@ -1,4 +1,4 @@
-"""A rig seen from the outside: hears its blocks, tells it a speed. The demo drives one by it."""
+"""A rig seen from the outside: hears its blocks, tells it speeds and faults. The demo drives it."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from types import TracebackType
 
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.parameter import Parameter
+from rclpy.parameter_client import AsyncParameterClient
 from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import Float64
@@ -32,6 +34,7 @@ class Remote:
         rclpy.init(args=[], context=self._context, signal_handler_options=SignalHandlerOptions.NO)
         self._node = rclpy.create_node('gear_remote', context=self._context)
         self._speed = self._node.create_publisher(Float64, 'gear_pair/cmd/speed', 10)
+        self._parameters = AsyncParameterClient(self._node, 'gear_sim')
         hear = self._node.create_subscription
         hear(PointCloud2, 'gear_pair/samples', self._on_block, 1000, raw=True)
         hear(PointCloud2, 'gear_pair/spectrum', self._on_spectrum, 10, raw=True)
@@ -58,6 +61,13 @@ class Remote:
     def set_speed(self, speed: float) -> None:
         """Command the pinion speed [rad/s]."""
         self._speed.publish(Float64(data=speed))
+
+    def crack(self, tooth: int, severity: float) -> None:
+        """Crack a tooth of the pinion at its root."""
+        values = {'tooth': tooth, 'severity': severity}
+        self._parameters.set_parameters(
+            [Parameter(f'fault.root_crack.{name}', value=each) for name, each in values.items()]
+        )
 
     @property
     def analyzer_listens(self) -> bool:

@@ -13,7 +13,7 @@ from gear_dynamics.bag.reader import read_log
 from gear_dynamics.parameters.settings import SimSettings
 
 SETTLED = 4.0
-"""The end of each half, in which the motion has settled at its speed [s]."""
+"""The end of each part, in which the motion has settled at its speed [s]."""
 
 AVERAGED = 1.0
 """What an averaged spectrum spans at most, from its stamp on [s]."""
@@ -24,8 +24,11 @@ RAMP = 10
 SHOWN_CYCLES = 8
 """Mesh cycles of the waveform in the picture."""
 
+PER_TOOTH = 64
+"""Points of the synchronous average for each tooth."""
 
-class Half(NamedTuple):
+
+class Part(NamedTuple):
     """What was logged at one speed.
 
     Attributes
@@ -40,6 +43,9 @@ class Half(NamedTuple):
         Columns frequency [Hz] and pinion_ay [m/s2].
     section : ndarray
         Columns x and y, one row for each mesh cycle.
+    average : ndarray
+        Synchronous average of pinion_ay over the pinion's angle, less that of the mean tooth
+        [m/s2]; `PER_TOOTH` points a tooth.
     """
 
     rpm: float
@@ -48,10 +54,15 @@ class Half(NamedTuple):
     waveform: np.ndarray
     spectrum: np.ndarray
     section: np.ndarray
+    average: np.ndarray
+
+    def loudest_place(self) -> float:
+        """Return where the average is greatest, in teeth of the pinion from angle 0 on."""
+        return float(abs(self.average).argmax() / PER_TOOTH)
 
 
-def read_halves(log: Path, teeth: int) -> tuple[list[Half], int]:
-    """Return what was logged before and after the change of speed, and the number of gaps.
+def read_parts(log: Path, teeth: int) -> tuple[list[Part], int]:
+    """Return what was logged between the changes of speed, and the number of gaps.
 
     Parameters
     ----------
@@ -66,27 +77,43 @@ def read_halves(log: Path, teeth: int) -> tuple[list[Half], int]:
     # Averaged by blocks, since the shaft's speed carries the vibration of its rotation.
     blocks = len(samples) // settings.block_size
     speed = samples['speed'][: blocks * settings.block_size].reshape(blocks, -1).mean(axis=1)
-    changing = int(np.argmax(speed > 1.05 * speed[0])) - RAMP
+    rising = int(np.argmax(speed > 1.05 * speed[0])) - RAMP
+    falling = int(np.flatnonzero(speed > 0.95 * speed.max())[-1]) - RAMP
     command = read_log(log, 'gear_pair/cmd/speed')['data'][0]
-    first = _read_half(log, samples['t'][changing * settings.block_size], teeth, settings.speed)
-    second = _read_half(log, samples['t'][-1], teeth, command)
-    return [first, second], int(gaps)
+    ends = [samples['t'][block * settings.block_size] for block in (rising, falling)]
+    speeds = (settings.speed, command, settings.speed)
+    parts = [
+        _read_part(log, end, teeth, each)
+        for end, each in zip((*ends, samples['t'][-1]), speeds, strict=True)
+    ]
+    return parts, int(gaps)
 
 
-def _read_half(log: Path, end: float, teeth: int, speed: float) -> Half:
+def _read_part(log: Path, end: float, teeth: int, speed: float) -> Part:
     mesh = teeth * speed / (2 * math.pi)
     settled, shown = end - SETTLED, end - SHOWN_CYCLES / mesh
     columns = ('t', 'frequency', 'pinion_ay')
     spectra = read_log(log, 'gear_pair/spectrum', settled, end - AVERAGED, columns)
     spectrum = spectra[spectra['t'] == spectra['t'][-1]]
-    return Half(
+    turns = read_log(log, 'gear_pair/samples', settled, end, ('pinion_angle', 'pinion_ay'))
+    return Part(
         rpm=speed * 30 / math.pi,
         expected=mesh,
         found=mesh_frequency(spectrum['frequency'], spectrum['pinion_ay']),
         waveform=read_log(log, 'gear_pair/samples', shown, end, ('t', 'pinion_ay')),
         spectrum=spectrum,
         section=read_log(log, 'gear_pair/poincare', settled, end, ('x', 'y')),
+        average=_synchronous_average(turns['pinion_angle'], turns['pinion_ay'], teeth),
     )
+
+
+def _synchronous_average(angle: np.ndarray, signal: np.ndarray, teeth: int) -> np.ndarray:
+    """Return the mean of a signal over a wheel's angle, less that of the mean tooth."""
+    count = teeth * PER_TOOTH
+    place = np.minimum((angle / (2 * math.pi) * count).astype(int), count - 1)
+    hits = np.maximum(np.bincount(place, minlength=count), 1)
+    mean = np.bincount(place, signal, minlength=count) / hits
+    return mean - np.tile(mean.reshape(teeth, PER_TOOTH).mean(axis=0), teeth)
 
 
 def mesh_frequency(frequency: np.ndarray, amplitude: np.ndarray) -> float:

@@ -1,4 +1,4 @@
-"""The processes of the demo: a sim that streams, an analyzer that logs, and a change of speed."""
+"""The processes of the demo: a sim that streams, an analyzer that logs, and what happens to it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,14 @@ if TYPE_CHECKING:
     from demo.remote import Remote
 
 SECOND_SPEED = 534.07
-"""Pinion speed of the second half [rad/s]: 5100 rpm, at which the teeth rattle chaotically."""
+"""Pinion speed of the second part [rad/s]: 5100 rpm, at which the teeth rattle chaotically."""
+
+SECOND, THIRD = 7.5, 13.0
+"""When the second and the third part begin [s]. In the third the pinion is back at its first speed
+and has a cracked tooth."""
+
+CRACKED_TOOTH, SEVERITY = 20, 1.0
+"""The tooth of the pinion that cracks, counted from 0, and how badly: 2 mm deep."""
 
 PATIENCE = 300.0
 """How long the first start may take [s]: it compiles the model."""
@@ -48,7 +55,7 @@ class Streamed(NamedTuple):
 
 
 def stream(folder: Path, duration: float) -> Streamed:
-    """Run sim and analyzer as two processes, and change the speed half way.
+    """Run sim and analyzer as two processes, change the speed twice, and crack a tooth.
 
     Parameters
     ----------
@@ -103,7 +110,7 @@ def _wait_for_stream(rig: Remote, children: tuple[Child, ...]) -> None:
 def _drive(rig: Remote, children: tuple[Child, ...], duration: float) -> Streamed:
     settings = SimSettings()
     block = settings.block_size / settings.sample_rate
-    first, start, changed = rig.blocks, rig.heard, False
+    first, start, part = rig.blocks, rig.heard, 1
     with tqdm(desc='streaming', total=duration, bar_format=BAR) as bar:
         while bar.n < duration:
             rig.listen(0.1)
@@ -111,9 +118,13 @@ def _drive(rig: Remote, children: tuple[Child, ...], duration: float) -> Streame
             _check(children)
             if time.monotonic() - rig.heard > SILENCE:
                 raise DemoError(f'the sim has been silent for {SILENCE:.0f} s')
-            if bar.n > duration / 2 and not changed:
+            if bar.n > SECOND and part == 1:
                 rig.set_speed(SECOND_SPEED)
-                changed = True
+                part = 2
+            if bar.n > THIRD and part == 2:
+                rig.set_speed(settings.speed)
+                rig.crack(CRACKED_TOOTH, SEVERITY)
+                part = 3
     return Streamed(rig.blocks - first, bar.n / (rig.heard - start))
 
 

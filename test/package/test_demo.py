@@ -30,12 +30,15 @@ def test_demo_streams_logs_and_tells_what_happened(domain, tmp_path):
     demo = start(tmp_path, domain)
     said = demo.communicate(timeout=280)[0]
     assert demo.returncode == 0, said
-    # 15 s of 51 200 samples/s in blocks of 512
-    assert 'Streamed 1500 blocks of 512 samples, 15 s' in said
+    # 24 s of 51 200 samples/s in blocks of 512
+    assert 'Streamed 2400 blocks of 512 samples, 24 s' in said
     assert 'The log has no gaps.' in said
     # 34 teeth at 1000 and 5100 rpm
     found = [float(hertz) for hertz in re.findall(r'the spectrum shows ([\d.]+) Hz', said)]
     np.testing.assert_allclose(found, [34 * 1000 / 60, 34 * 5100 / 60], rtol=1e-3)
+    # In contact over 1.73 teeth, and ringing for a moment after it.
+    assert 'Tooth 20 of the pinion was cracked, which is in contact from 20 to 21.7' in said
+    assert 20 <= float(re.search(r'is greatest at ([\d.]+)\.', said)[1]) <= 22
     assert read_log(tmp_path / re.search(r'Log: +(\S+)', said)[1], end=0.1)['t'][0] == 0.0
     picture = tmp_path / re.search(r'Picture: +(\S+)', said)[1]
     assert picture.read_bytes().startswith(b'\x89PNG')
