@@ -38,7 +38,7 @@ class _Stream:
             else:
                 parts.append(block)
                 have += len(block)
-        values = np.concatenate(parts)
+        values = np.concatenate(parts) if len(parts) > 1 else parts[0]
         count = min(len(values), wanted)
         taken, self._rest = values[: int(count)], values[int(count) :]
         start = self._taken / self.rate

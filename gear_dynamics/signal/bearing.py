@@ -72,7 +72,10 @@ def envelope_orders(
     speed = turned / (len(x) / rate)
     # The envelope is kept at a rate that its highest line of interest needs.
     count = min(len(x), fft.next_fast_len(int(3.2 * highest_order * speed * len(x) / rate) + 64))
-    square = envelope(x, rate, low, high) ** 2
+    # The square of an envelope holds frequencies up to the width of its band.
+    lines = int((high - low) / rate * len(x)) + 1
+    kept = min(len(x), max(count, fft.next_fast_len(2 * lines)))
+    square = envelope(x, rate, low, high, kept) ** 2
     square = _decimate(square - square.mean(), count)
     angle = np.interp(np.arange(count) * (len(x) / count), np.arange(len(x)), revolutions)
     points = fft.next_fast_len(int(np.ceil(2.5 * highest_order)))

@@ -9,7 +9,7 @@ from scipy import fft
 
 from gear_dynamics.machine.channel import Channel
 from gear_dynamics.machine.machine import Machine
-from gear_dynamics.machine.parts import DEFECTS
+from gear_dynamics.machine.parts import DEFECTS, Bearing
 from gear_dynamics.monitoring.spans.bearings import bearing_state
 from gear_dynamics.monitoring.spans.data import Average, ShaftState, Signal, Span, SpanResult
 from gear_dynamics.monitoring.spans.gears import (
@@ -47,7 +47,7 @@ class SpanAnalysis:
     def analyse(self, span: Span) -> SpanResult:
         """Return what a span shows; its values have a column for every indicator."""
         shafts = self._phases.find(span)
-        result = SpanResult({}, [], shafts, {}, {}, {})
+        result = SpanResult({}, [], shafts, {}, {})
         result.notes += dict.fromkeys(each.note for each in shafts.values() if each.note)
         states = [state.phase for state in shafts.values()]
         steady = all(phase is not None and phase.variation <= STEADY for phase in states)
@@ -80,9 +80,9 @@ class SpanAnalysis:
             return
         averages = self._averages(name, signal, angles, result)
         self._gears(name, averages, result)
-        residual = self._residual(signal, averages, angles)
-        result.residuals[name] = residual
-        self._bearings(name, residual, angles, result)
+        if self._near(name):
+            residual = self._residual(signal, averages, angles)
+            self._bearings(name, residual, angles, result)
 
     def _averages(
         self, name: str, signal: Signal, angles: Angles, result: SpanResult
@@ -140,10 +140,16 @@ class SpanAnalysis:
             taken.add(shaft)
         return signal
 
+    def _near(self, channel: str) -> list[Bearing]:
+        """Return the bearings that are judged by a channel."""
+        return [
+            bearing
+            for bearing in self.machine.bearings
+            if not bearing.channels or channel in bearing.channels
+        ]
+
     def _bearings(self, name: str, residual: Signal, angles: Angles, result: SpanResult) -> None:
-        for bearing in self.machine.bearings:
-            if bearing.channels and name not in bearing.channels:
-                continue
+        for bearing in self._near(name):
             shaft = result.shafts[bearing.shaft]
             state = None
             if shaft.phase is not None and shaft.phase.turned >= FEWEST_REVOLUTIONS:

@@ -25,6 +25,9 @@ LEAD = 6.0
 """Height, and amplitude, by which a defect must exceed every other [dB]."""
 
 
+LEVELS = 4
+"""Deepest level of the kurtogram: bands of a sixteenth of 0.4 of the sample rate."""
+
 FEWEST_FOR_ENVELOPE = 1024
 """Samples that an envelope spectrum needs."""
 
@@ -81,7 +84,7 @@ def _bands(
     # A band must hold three harmonics of the impacts on either side of its centre.
     least = 3 * speed * max(bearing.outer, bearing.inner)
     length = int(max(FEWEST_SAMPLES, IMPACTS * rate / (speed * bearing.outer)))
-    chosen = most_impulsive_band(values[:length], rate, least_width=least)
+    chosen = most_impulsive_band(values[:length], rate, LEVELS, least_width=least)
     bands = [(0.0, rate / 2)]
     if np.isfinite(chosen.kurtosis) and chosen.high - chosen.low < 0.79 * rate / 2:
         bands.append((chosen.low, chosen.high))

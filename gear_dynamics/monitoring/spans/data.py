@@ -135,8 +135,6 @@ class SpanResult:
         By channel and shaft.
     bearings : dict of (str, str) to BearingState
         By channel and bearing.
-    residuals : dict of str to Signal
-        The channels without what is synchronous with a shaft that has wheels.
     """
 
     values: dict[str, float | bool]
@@ -144,4 +142,3 @@ class SpanResult:
     shafts: dict[str, ShaftState]
     averages: dict[tuple[str, str], Average]
     bearings: dict[tuple[str, str], BearingState]
-    residuals: dict[str, Signal]

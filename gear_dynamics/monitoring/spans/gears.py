@@ -19,6 +19,9 @@ from gear_dynamics.signal.synchronous import below_order, separate, synchronous_
 FEWEST_REVOLUTIONS = 10
 """Revolutions of a shaft that its orders need."""
 
+DENSITY = 0.92
+"""Points a sample; twice the accurate band, and some."""
+
 HARMONICS = 5
 """Mesh harmonics in the table."""
 
@@ -56,14 +59,14 @@ class Angles:
 def resampled(signal: Signal, shaft: str, angles: Angles) -> tuple[np.ndarray, int]:
     """Return a signal by the angle of a shaft from a whole revolution on, and points a revolution.
 
-    There are somewhat more points than samples, so that nothing folds back.
+    There are DENSITY points a sample: what folds back lies beyond the accurate band.
     """
     known, revolutions = angles.at(shaft, signal)
     values = signal.values[known]
     if len(values) <= 4 * HALF_WIDTH:
         return np.empty(0), 1
     speed = (revolutions[-1] - revolutions[0]) / (len(values) - 1)
-    points = fft.next_fast_len(math.ceil(1.1 / speed), real=True)
+    points = fft.next_fast_len(math.ceil(DENSITY / speed), real=True)
     first, even = resample_by_phase(values, revolutions, points)
     return even[-first % points :], points
 

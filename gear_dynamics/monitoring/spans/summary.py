@@ -78,7 +78,6 @@ class Summary:
     def __init__(self, machine: Machine) -> None:
         self.machine = machine
         self.spectra: dict[str, MeanSpectrum] = {}
-        self.residuals: dict[str, MeanSpectrum] = {}
         self.averages: dict[tuple[str, str], Average] = {}
         self.bearings: dict[tuple[str, str], BearingRecord] = {}
         self.speeds: dict[str, list[float]] = {}
@@ -94,8 +93,6 @@ class Summary:
             self.notes[note] = self.notes.get(note, 0) + 1
         for name, signal in span.channels.items():
             _spectrum(self.spectra, name, signal)
-        for name, signal in result.residuals.items():
-            _spectrum(self.residuals, name, signal)
         for name, shaft in result.shafts.items():
             self.origins[name] = shaft.origin
             if shaft.phase is not None:
