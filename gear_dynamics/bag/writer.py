@@ -15,8 +15,11 @@ from gear_dynamics.bag.chunk_builder import COMPRESSIONS
 from gear_dynamics.bag.folder import FOLDER_NAME, BagFolder, Limits, LogDeleted, LogStopped
 from gear_dynamics.bag.metadata import OfferedQos, Topic, published_topic
 
-SYNC_INTERVAL = 0.4
+SYNC_INTERVAL = 0.25
 """Seconds between bringing everything to the disk; a crash loses little more than this."""
+
+BATCH_SIZE = 1 << 20
+"""Bytes that wait before they are written earlier than that."""
 
 PROBE_INTERVAL = 1.0
 """Seconds between attempts to resume after a stop."""
@@ -75,6 +78,14 @@ class _Change(NamedTuple):
     log_time: int
 
 
+class _Batch(NamedTuple):
+    """What is written in one go; `last` if nothing comes after it."""
+
+    items: collections.deque[_Message | _Change]
+    size: int
+    last: bool
+
+
 class LogWriter:
     """Writes a run into a bag folder `gear_log_YYYY_MM_DD-HH_MM_SS/`, as rosbag2 would.
 
@@ -121,7 +132,7 @@ class LogWriter:
         self._folder = BagFolder(Path(directory), configuration, compression, limits, name)
         self._topics: dict[tuple[str, str, OfferedQos], Topic] = {}
         self._queue: collections.deque[_Message | _Change] = collections.deque()
-        self._queued_bytes = 0
+        self._queued_bytes = self._taken = 0
         self._condition = threading.Condition()
         self._closing = False
         self._reason: str | None = 'the log is being opened'
@@ -178,13 +189,13 @@ class LogWriter:
                 return
             self._queue.append(message)
             self._queued_bytes += len(data)
-            self._condition.notify()
+            if self._queued_bytes > BATCH_SIZE:
+                self._condition.notify()
 
     def configure(self, configuration: Mapping[str, str]) -> None:
         """Note in the log that the run's configuration is this from now on."""
         with self._condition:
             self._queue.append(_Change(dict(configuration), time.time_ns()))
-            self._condition.notify()
 
     def status(self) -> LogStatus:
         """Return what the writer is doing."""
@@ -202,7 +213,7 @@ class LogWriter:
                 path=str(self._folder.path or self._folder.directory),
                 bytes=self._folder.size,
                 messages=self._messages + self._folder.repeated,
-                waiting=len(self._queue),
+                waiting=len(self._queue) + self._taken,
                 dropped=self._dropped,
                 overflows=self._overflows,
                 syncing=self._folder.syncing,
@@ -241,23 +252,36 @@ class LogWriter:
 
     def _write_all(self) -> None:
         self._deadline = time.monotonic() + SYNC_INTERVAL
-        while self._wait():
-            for _ in range(len(self._queue)):
-                self._take(self._queue.popleft())
-                if time.monotonic() >= self._deadline:
-                    self._keep_up()
+        while True:
+            batch = self._next_batch()
+            for item in batch.items:
+                self._take(item)
+            with self._condition:
+                self._queued_bytes -= batch.size
+                self._taken = 0
+            if time.monotonic() >= self._deadline:
+                self._keep_up()
+            if batch.last:
+                break
         if self._reason is None:
             self._finish()
 
-    def _wait(self) -> bool:
-        """Wait for something to write, and for the time to sync; tell whether to go on."""
+    def _next_batch(self) -> _Batch:
+        """Wait until there is much to write, or it is time to bring it to the disk; return it.
+
+        The thread does not wake for each message. Under load, every time that it wakes it waits
+        for Python's lock behind the other threads, 5 ms for each, and would fall behind.
+        """
         with self._condition:
-            if not self._queue and not self._closing:
-                self._condition.wait(max(self._deadline - time.monotonic(), 0.0))
-            done = self._closing and not self._queue
-        if not self._queue and time.monotonic() >= self._deadline:
-            self._keep_up()
-        return not done
+            while not self._closing and self._queued_bytes <= BATCH_SIZE:
+                left = self._deadline - time.monotonic()
+                if left <= 0:
+                    break
+                self._condition.wait(left)
+            batch = _Batch(self._queue, self._queued_bytes, self._closing)
+            self._queue = collections.deque()
+            self._taken = len(batch.items)
+            return batch
 
     def _keep_up(self) -> None:
         """Bring everything to the disk, or try again to have a file there."""
@@ -272,13 +296,12 @@ class LogWriter:
         if isinstance(item, _Change):
             self._guard(self._folder.configure, item.configuration, item.log_time)
             return
-        with self._condition:
-            self._queued_bytes -= len(item.data)
-            stopped = self._reason is not None
-            self._dropped += stopped
-            self._messages += not stopped
-        if not stopped:
+        if self._reason is None:
+            self._messages += 1  # by this thread alone
             self._guard(self._folder.write, *item)
+        else:
+            with self._condition:
+                self._dropped += 1
 
     def _open(self) -> None:
         def resume() -> None:

@@ -23,10 +23,10 @@ COMPRESSIONS = ('none', 'zstd', 'lz4')
 AT_ONCE = 4
 
 
-def killed_writer(directory, compression, rate, moment):
+def killed_writer(directory, compression, rate, threads, moment):
     """Run a writer, kill it `moment` seconds after its first block; return number, time lines."""
     environment = {**os.environ, 'PYTHONPATH': str(ROOT)}
-    command = [sys.executable, str(SCRIPT), str(directory), compression, str(rate)]
+    command = [sys.executable, str(SCRIPT), str(directory), compression, str(rate), str(threads)]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, env=environment)
     try:
         first = process.stdout.readline()
@@ -47,7 +47,8 @@ def killed(tmp_path_factory):
     def run(number):
         rate = HIGH_RATE if number % 5 == 0 else DEFAULT_RATE
         compression = COMPRESSIONS[number % len(COMPRESSIONS)]
-        return killed_writer(directories[number], compression, rate, MOMENTS[number])
+        threads = 0 if rate == HIGH_RATE else number % 3
+        return killed_writer(directories[number], compression, rate, threads, MOMENTS[number])
 
     with ThreadPoolExecutor(AT_ONCE) as pool:
         return list(zip(directories, pool.map(run, range(len(MOMENTS))), strict=True))

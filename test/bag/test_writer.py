@@ -3,6 +3,7 @@
 import io
 import itertools
 import struct
+import time
 
 import bag_support
 import numpy as np
@@ -225,6 +226,23 @@ def test_a_change_of_configuration_is_noted(tmp_path):
     ]
 
 
+def test_the_writer_does_not_wake_for_each_message(tmp_path, monkeypatch):
+    """Woken for each, it waited for Python's lock each time: under load, a kill lost 1.7 s."""
+    monkeypatch.setattr(gear_dynamics.bag.writer, 'SYNC_INTERVAL', 1e6)
+    published = bag_support.messages(20)
+    with LogWriter(tmp_path, {}, free_floor=0.0) as writer:
+        for message in published:
+            bag_support.hand_in(writer, message)
+        assert writer.status().waiting == len(published)
+        monkeypatch.setattr(gear_dynamics.bag.writer, 'BATCH_SIZE', 0)
+        bag_support.hand_in(writer, published[0])
+        end = time.monotonic() + 20
+        while writer.status().waiting:
+            assert time.monotonic() < end
+            time.sleep(0.01)
+        assert writer.status().messages == len(published) + 1
+
+
 def test_an_overflow_is_counted(tmp_path, monkeypatch):
     published = bag_support.messages(20)
     limit = sum(len(m.data) for m in published) // 2
@@ -295,9 +313,9 @@ def test_indexes_point_at_what_they_name(bag):
                     ReadDataStream(io.BytesIO(content[offset + 9 : offset + 9 + length]))
                 )
                 assert index.channel_id == channel
-                for time, place in index.records:
+                for at, place in index.records:
                     found = struct.unpack_from('<BQHIQ', records, place)
-                    assert (found[0], found[2], found[4]) == (Opcode.MESSAGE, channel, time)
+                    assert (found[0], found[2], found[4]) == (Opcode.MESSAGE, channel, at)
                     assert chunk.message_start_time <= time <= chunk.message_end_time
                 messages += len(index.records)
         assert messages == summary.statistics.message_count
