@@ -313,9 +313,9 @@ def test_indexes_point_at_what_they_name(bag):
                     ReadDataStream(io.BytesIO(content[offset + 9 : offset + 9 + length]))
                 )
                 assert index.channel_id == channel
-                for at, place in index.records:
+                for log_time, place in index.records:
                     found = struct.unpack_from('<BQHIQ', records, place)
-                    assert (found[0], found[2], found[4]) == (Opcode.MESSAGE, channel, at)
+                    assert (found[0], found[2], found[4]) == (Opcode.MESSAGE, channel, log_time)
                     assert chunk.message_start_time <= time <= chunk.message_end_time
                 messages += len(index.records)
         assert messages == summary.statistics.message_count
