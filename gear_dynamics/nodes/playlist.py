@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 from collections.abc import Callable, Collection, Iterator, Sequence
 from typing import NamedTuple
 
 from gear_dynamics.bag.reader import LogMessage, read_messages
-from gear_dynamics.bag.source import Damage
+from gear_dynamics.bag.source import Damage, LogChannel
 from gear_dynamics.wire.messages import MessageError, deserialize, message_class, serialize
 from gear_dynamics.wire.topics import CONFIGURATION
 
@@ -29,9 +30,10 @@ class Item(NamedTuple):
 class Playlist:
     """The messages of a part of a log in the order in which they are played.
 
-    Every pass begins with what latched topics held before the part. From the second pass on it
-    begins with the configuration of the rig in any case, and every configuration announces the
-    pass, since the stamps of a pass begin anew: see docs/interfaces.md.
+    Every pass begins with what latched topics held before the part, and with the configuration of
+    the rig in any case: what comes before it means nothing to a listener. From the second pass on
+    each configuration announces the pass, since the stamps of a pass begin anew: see
+    docs/interfaces.md.
 
     Attributes
     ----------
@@ -64,31 +66,36 @@ class Playlist:
             empty = True
             for message in self._one_pass(held):
                 empty = False
-                if _configures(message):
-                    held = {**held, message.channel.topic: held.get(message.channel.topic, message)}
-                    message = _announced(message, number)
                 due = message.log_time - self.begin + (number - 1) * period
+                if number > 1 and _is_configuration(message.channel):
+                    message = _announced(message, number)
                 yield Item(due, number, message)
             if empty or not self.loop:
                 return
             number += 1
 
-    def _held_at_the_begin(self) -> dict[str, LogMessage]:
-        """Return the last message of each latched topic before the part."""
+    def _held_at_the_begin(self) -> list[LogMessage]:
+        """Return the latched messages that every pass begins with."""
         held: dict[str, LogMessage] = {}
         if self.latched:
             for message in read_messages(
                 self.paths, self.latched, end=self.begin, on_damage=self.on_damage
             ):
                 held[message.channel.topic] = message
-        return held
+        for topic in self.latched:
+            if topic not in held and topic.endswith(f'/{CONFIGURATION.name}'):
+                part = read_messages(self.paths, [topic], self.begin, self.end + 1, self.on_damage)
+                held.update({each.channel.topic: each for each in itertools.islice(part, 1)})
+        return list(held.values())
 
-    def _one_pass(self, held: dict[str, LogMessage]) -> Iterator[LogMessage]:
-        for message in held.values():
-            yield dataclasses.replace(message, log_time=self.begin)
-        for message in read_messages(
+    def _one_pass(self, held: Sequence[LogMessage]) -> Iterator[LogMessage]:
+        places = {(message.channel.topic, message.log_time) for message in held}
+        part = read_messages(
             self.paths, list(self.topics), self.begin, self.end + 1, self.on_damage
-        ):
+        )
+        first = (dataclasses.replace(message, log_time=self.begin) for message in held)
+        later = (each for each in part if (each.channel.topic, each.log_time) not in places)
+        for message in itertools.chain(first, later):
             try:
                 deserialize(message.data, message.channel.type_name)
             except MessageError as error:
@@ -97,17 +104,14 @@ class Playlist:
                 yield message
 
 
-def _configures(message: LogMessage) -> bool:
-    channel = message.channel
+def _is_configuration(channel: LogChannel) -> bool:
     return channel.type_name == CONFIGURATION.type_name and channel.topic.endswith(
         f'/{CONFIGURATION.name}'
     )
 
 
 def _announced(message: LogMessage, number: int) -> LogMessage:
-    """Return a configuration that tells the number of the pass, from the second on."""
-    if number == 1:
-        return message
+    """Return a configuration that tells the number of the pass."""
     text = deserialize(message.data, CONFIGURATION.type_name).data
     text = f'{text.rstrip()}\nreplay: {{pass: {number}}}\n'
     return dataclasses.replace(

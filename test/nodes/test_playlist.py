@@ -52,19 +52,18 @@ def playlist(log, begin=0.0, end=0.5, loop=True):
     return Playlist([log], topics, [CONFIGURATION], *times, loop, refuse, refuse)
 
 
-def test_one_pass_has_the_bytes_and_the_spacing_of_the_log(log):
+def test_one_pass_has_the_configuration_first_and_then_the_spacing_of_the_log(log):
     items = list(playlist(log, loop=False))
-    assert [item.message.channel.topic for item in items] == [COUNT, CONFIGURATION, *5 * [COUNT]]
+    assert [item.message.channel.topic for item in items] == [CONFIGURATION, *6 * [COUNT]]
     assert [item.due_ns for item in items if item.message.channel.topic == COUNT] == [
         number * 100_000_000 for number in range(6)
     ]
     assert {item.pass_number for item in items} == {1}
-    assert text_of(items[1].message) == configuration_text(GearPair(), SimSettings())
+    assert text_of(items[0].message) == configuration_text(GearPair(), SimSettings())
 
 
 def test_each_later_pass_begins_with_its_announcement_after_the_duration_of_the_log(log):
-    # One message more in later passes: the configuration before all else.
-    items = list(itertools.islice(playlist(log), 7 + 8 + 8))
+    items = list(itertools.islice(playlist(log), 3 * 7))
     for number in (2, 3):
         later = [item for item in items if item.pass_number == number]
         assert later[0].message.channel.topic == CONFIGURATION
