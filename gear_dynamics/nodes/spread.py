@@ -12,7 +12,7 @@ from rclpy.publisher import Publisher
 
 from gear_dynamics.nodes.pacing import SECOND
 
-TICK = 0.001
+TICK = 0.002
 """Time between two looks at what is due [s]."""
 
 

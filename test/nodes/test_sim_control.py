@@ -185,3 +185,32 @@ def test_configuration_tells_the_default_rig(domain, client):
         ros_support.wait_until(lambda: texts, 10, 'the configuration of a sim that runs already')
         assert Rig.from_text(texts[0].data).wn == GearPair().derived.wn
         assert sim.stop() == 0
+
+
+def test_a_storm_of_commands_costs_no_block_and_the_last_one_holds(domain, client):
+    from rcl_interfaces.srv import GetParameters
+    from std_msgs.msg import Float64
+
+    blocks = Blocks(client.collect(PointCloud2, 'gear_pair/samples', raw=True))
+    with ros_support.Process(SIM, domain) as sim:
+        sim.wait_for('streaming', 120)
+        topics = [
+            client.publisher(Float64, f'gear_pair/cmd/{name}') for name in ('speed', 'torque')
+        ]
+        values = [120.0, 130.0, math.nan, -6000.0, 125.0]
+        begin = time.monotonic()
+        for number in range(10_000):  # 5 kHz
+            topics[number % 2].publish(Float64(data=values[number % 5]))
+            time.sleep(max(0.0, begin + number / 5000 - time.monotonic()))
+        topics[0].publish(Float64(data=110.0))
+        topics[1].publish(Float64(data=140.0))
+
+        def mirrored():
+            request = GetParameters.Request(names=['speed', 'load_torque'])
+            found = client.call(GetParameters, 'gear_sim/get_parameters', request).values
+            return [each.double_value for each in found] == [110.0, 140.0]
+
+        ros_support.wait_until(mirrored, 10, 'the last commands as parameters')
+        ros_support.wait_until(lambda: blocks.last.rows['load_torque'][-1] == 140, 10, 'its end')
+        assert sim.stop() == 0
+    assert np.unique(np.diff(blocks.stamps)).tolist() == [10_000_000]
