@@ -6,7 +6,9 @@ import importlib
 from typing import Any
 
 _EXPORTS = {
+    'arclength': ('Curve', 'CurvePoint'),
     'attractors': ('Attractor', 'assign', 'reached', 'same_orbit'),
+    'branches': ('Bifurcation', 'Branch', 'continuation', 'doubled_guess'),
     'cycles': ('Cycles', 'run_cycles'),
     'embedding': ('cao_dimension', 'embed', 'mean_period', 'mutual_information_lag'),
     'exponents': (
@@ -17,6 +19,8 @@ _EXPORTS = {
     'lyapunov': ('Lyapunov', 'lyapunov_exponent'),
     'nearby': ('nearby_growth',),
     'regimes': ('Regime', 'recurrence_period', 'regime'),
+    'shooting': ('LONGEST', 'OrbitError', 'PeriodicOrbit', 'periodic_orbit'),
+    'stroboscopic': ('Contact', 'GearMap', 'StroboscopicMap'),
     'tangent': ('first_tangent_vectors',),
     'zero_one': ('zero_one_test',),
 }

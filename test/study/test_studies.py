@@ -220,19 +220,23 @@ def test_exponents_that_differ_between_the_two_ways_are_told():
     )
 
 
+DEFAULT = ('spectrum', 'response', 'continuation')
+
 SMALL = {
     'spectrum': {'phases': 2, 'speeds': 2, 'transient': 100},
     'lyapunov': {'frictions': [0.0], 'initial_states': 2, 'transient': 50, 'cycles': 100},
     'bifurcation': {'frictions': [0.0], 'begin': 0.5, 'end': 0.6, 'count': 2, 'transient': 20},
     'attractor': {'frictions': [0.0], 'transient': 50, 'cycles': 200},
     'basins': {'size': 2, 'transient': 20},
+    'orbits': {'longest': 2, 'starts': 1, 'transient': 20},
+    'continuation': {'begin': 0.1, 'end': 0.12, 'places': 2, 'doublings': 0, 'step': 0.2},
     'response': {'begin': 0.1, 'end': 0.12, 'count': 2, 'transient': 20},
 }
 
 
 @pytest.mark.parametrize('name', SMALL)
 def test_every_column_and_array_has_its_unit_and_the_figure_draws(tmp_path, name):
-    operation = study.default_operating_point() if name in ('spectrum', 'response') else CHAOS
+    operation = study.default_operating_point() if name in DEFAULT else CHAOS
     outcome = getattr(study, name)(operation, **SMALL[name])
     draw = study_module(name).draw
     save_figure(draw, outcome.arrays, tmp_path / f'{name}.png')

@@ -1,0 +1,207 @@
+"""The stroboscopic map: the state of a periodically driven system once a cycle of its drive."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from gear_dynamics.dynamics.cycles import Cycles, run_cycles
+from gear_dynamics.integrator.variation import VARIED
+from gear_dynamics.model.gear_pair import GearPair
+
+FREE = [0, 1, 2, 3, 4, 6, 7, 8, 9, 10]
+"""The coordinates and velocities of the reduced form among the integrator's states."""
+
+SAMPLES = 512
+"""Samples of delta in a cycle, from which the contact states of an orbit are told."""
+
+IN_DRIVE, IN_GAP, IN_BACK = 'D', 'G', 'B'
+"""Contact on the drive flank, none, on the back flank."""
+
+
+class StroboscopicMap(Protocol):
+    """What the algorithms of this room ask of a system.
+
+    Attributes
+    ----------
+    dimension : int
+    cycle : float
+        Length of a cycle, in the time that exponents are per.
+    """
+
+    @property
+    def dimension(self) -> int:
+        """Numbers in a state."""
+
+    @property
+    def cycle(self) -> float:
+        """Length of a cycle."""
+
+    def iterate(self, states: np.ndarray) -> np.ndarray:
+        """Return the states, (n, dimension), one cycle later."""
+
+    def tangent(self, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the states one cycle later and the Jacobians there, (n, dimension, dimension)."""
+
+
+class Contact(NamedTuple):
+    """The contact of an orbit.
+
+    Attributes
+    ----------
+    sequence : str
+        Contact states in their order over the period, such as `DG`: drive flank (D), gap (G), back
+        flank (B).
+    clearance : float
+        Least distance of an extremum of delta from an edge of the gap, over b: 0 at grazing.
+        Positive where the extremum is beyond the edge, negative where it is inside of the gap.
+    rms, least, greatest : float
+        Of delta over b; the RMS is about the mean.
+    """
+
+    sequence: str
+    clearance: float
+    rms: float
+    least: float
+    greatest: float
+
+
+class GearMap:
+    """The stroboscopic map of the reduced form at mesh phase 0.
+
+    A state is x1, y1, x2, y2, psi over b and their velocities over b wn.
+
+    Parameters
+    ----------
+    pair : GearPair
+    speed : float
+        Of the pinion [rad/s], positive.
+    load_torque : float
+        On the gear [N m].
+    rtol, atol : float
+        Tolerances of the integrator.
+    """
+
+    dimension = VARIED
+
+    def __init__(
+        self,
+        pair: GearPair,
+        speed: float,
+        load_torque: float,
+        *,
+        rtol: float = 1e-12,
+        atol: float = 1e-15,
+    ) -> None:
+        self.pair, self.speed, self.load_torque = pair, speed, load_torque
+        self._rtol, self._atol = rtol, atol
+        b = pair.half_backlash
+        self._scale = b * np.repeat([1.0, pair.derived.wn], VARIED // 2)
+
+    @property
+    def cycle(self) -> float:
+        """Length of a mesh cycle in tau = wn t."""
+        return float(2 * np.pi * self.pair.derived.wn / (self.pair.pinion_teeth * self.speed))
+
+    def scaled(self, states: np.ndarray) -> np.ndarray:
+        """Return the states of `run_cycles`, (n, STATES), as states of this map."""
+        return states[..., FREE] / self._scale
+
+    def unscaled(self, states: np.ndarray) -> np.ndarray:
+        """Return states of this map as `run_cycles` takes them."""
+        full = np.zeros((*states.shape[:-1], max(FREE) + 3))
+        full[..., FREE] = states * self._scale
+        return full
+
+    def iterate(self, states: np.ndarray) -> np.ndarray:
+        """Return the states, (n, dimension), one mesh cycle later."""
+        return self.scaled(self._run(states).states)
+
+    def tangent(self, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the states one cycle later and the Jacobians there, (n, dimension, dimension)."""
+        unit = np.repeat(np.eye(VARIED)[np.newaxis], len(states), axis=0)
+        run = self._run(states, vectors=unit, orthogonal=False)
+        return self.scaled(run.states), run.vectors.swapaxes(1, 2)
+
+    def section(self, states: np.ndarray) -> np.ndarray:
+        """Return delta / b and delta_dot / (b wn) of states, (..., 2)."""
+        pair = self.pair
+        phase, b = pair.transmission_error_phase, pair.half_backlash
+        error = pair.transmission_error_amplitude / b
+        rate = pair.pinion_teeth * self.speed / pair.derived.wn
+        delta = states[..., 3] - states[..., 1] + states[..., 4] - error * np.sin(phase)
+        slope = states[..., 8] - states[..., 6] + states[..., 9] - error * rate * np.cos(phase)
+        return np.stack([delta, slope], axis=-1)
+
+    def contact(self, points: np.ndarray) -> Contact:
+        """Return the contact of the periodic orbit through `points`, (period, dimension)."""
+        samples = self._run(points, samples_per_cycle=SAMPLES).samples.ravel()
+        b = self.pair.half_backlash
+        delta = samples['delta'] / b
+        slope = samples['delta_dot'] / b * self.cycle / self.pair.derived.wn / SAMPLES
+        extrema = _extrema(delta, slope)
+        return Contact(
+            _sequence(delta, extrema),
+            _clearance(extrema),
+            float(delta.std()),
+            float(extrema.min()),
+            float(extrema.max()),
+        )
+
+    def _run(self, states: np.ndarray, **options: Any) -> Cycles:
+        n = len(states)
+        return run_cycles(
+            [self.pair] * n,
+            self.speed,
+            self.load_torque,
+            1,
+            states=self.unscaled(states),
+            rtol=self._rtol,
+            atol=self._atol,
+            **options,
+        )
+
+
+def _extrema(delta: np.ndarray, slope: np.ndarray) -> np.ndarray:
+    """Return the extrema of a periodic signal, from cubic pieces through values and slopes.
+
+    slope : (n,) array
+        Per sample.
+    """
+    following, next_slope = np.roll(delta, -1), np.roll(slope, -1)
+    turns = np.flatnonzero(slope * next_slope < 0)
+    if not turns.size:
+        return np.array([delta.min(), delta.max()])
+    a, b, u, v = (each[turns] for each in (delta, following, slope, next_slope))
+    # The cubic a + u s + q s^2 + r s^3 has one turn where its slope changes sign.
+    q, r = 3 * (b - a) - 2 * u - v, 2 * (a - b) + u + v
+    root = np.sqrt(np.maximum(q * q - 3 * r * u, 0.0))
+    # Both forms of the root of 3 r s^2 + 2 q s + u; the one within the step counts.
+    with np.errstate(divide='ignore', invalid='ignore'):
+        candidates = np.stack([-u / (q + np.where(q >= 0, root, -root)),
+                               -(q + np.where(q >= 0, root, -root)) / (3 * r)])  # fmt: skip
+    inside = (candidates >= 0) & (candidates <= 1)
+    s = np.where(inside[0], candidates[0], np.where(inside[1], candidates[1], u / (u - v)))
+    return a + s * (u + s * (q + s * r))
+
+
+def _sequence(delta: np.ndarray, extrema: np.ndarray) -> str:
+    """Return the contact states in their order, starting where the cyclic word is least.
+
+    An excursion between two samples shows in the extrema alone; it counts as one to the gap.
+    """
+    state = np.where(delta > 1, 0, np.where(delta < -1, 2, 1))
+    kept = state[np.flatnonzero(np.diff(state, prepend=state[-1]))]
+    letters = [(IN_DRIVE, IN_GAP, IN_BACK)[each] for each in kept]
+    if not letters:
+        word = (IN_DRIVE, IN_GAP, IN_BACK)[state[0]]
+        left = np.any(extrema < 1) if state[0] == 0 else np.any(extrema > -1) and state[0] == 2
+        return word + IN_GAP if left else word
+    words = [''.join(letters[i:] + letters[:i]) for i in range(len(letters))]
+    return min(words)
+
+
+def _clearance(extrema: np.ndarray) -> float:
+    away = np.concatenate([extrema - 1, -1 - extrema])
+    return float(away[np.abs(away).argmin()])
