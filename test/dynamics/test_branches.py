@@ -58,6 +58,7 @@ def test_what_was_found_is_kept_where_a_branch_must_end():
     assert branch.end == 'enough orbits'
 
 
+@pytest.mark.slow
 def test_frequency_response_of_kahraman_and_singh():
     """Contact is lost where the amplitude without loss is the mean load; the folds of the branch
     with impacts are at 0.7081 and 0.8284 by an independent continuation. Forward motions beside a
