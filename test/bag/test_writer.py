@@ -316,7 +316,7 @@ def test_indexes_point_at_what_they_name(bag):
                 for log_time, place in index.records:
                     found = struct.unpack_from('<BQHIQ', records, place)
                     assert (found[0], found[2], found[4]) == (Opcode.MESSAGE, channel, log_time)
-                    assert chunk.message_start_time <= time <= chunk.message_end_time
+                    assert chunk.message_start_time <= log_time <= chunk.message_end_time
                 messages += len(index.records)
         assert messages == summary.statistics.message_count
         assert len(summary.chunk_indexes) == summary.statistics.chunk_count
