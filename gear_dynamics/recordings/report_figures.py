@@ -98,7 +98,7 @@ def order_image(average: Average, channel: str, shaft: str, unit: str, machine: 
         axes.set(
             xlim=(0, last + 1),
             ylim=(floor, None),
-            yscale='log',
+            yscale='log' if floor > 0 else 'linear',
             xlabel=f'order of shaft {shaft} [1/rev]',
             ylabel=f'peak amplitude [{unit}]',
             title=f'{channel}: orders of {shaft}, average of {average.revolutions} revolutions',

@@ -96,6 +96,8 @@ def resample_by_phase(
     first = int(np.ceil(phase[HALF_WIDTH] * points))
     ticks = np.arange(first, int(np.floor(phase[-1 - HALF_WIDTH] * points)) + 1)
     positions = np.interp(ticks / points, phase, np.arange(len(phase)))
+    # Rounding may place the first or last point just outside.
+    positions = np.clip(positions, HALF_WIDTH - 1, len(x) - 1 - HALF_WIDTH)
     values = interpolate(x.reshape(len(x), -1), positions)
     return first, np.moveaxis(values.reshape((-1, *x.shape[1:])), 0, axis)
 

@@ -304,3 +304,45 @@ def test_a_run_of_the_simulator_is_a_recording():
     table = gd.analyse(run, machine)
     assert table['pinion/speed'][0] == pytest.approx(104.72, rel=1e-3)
     np.testing.assert_allclose(table['force/mean'][0], run['mesh_force'].mean(), rtol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ('shaft', 'values', 'words'),
+    [
+        ({'tacho': {'column': 's'}}, np.nan, 'the tacho is silent'),
+        ({'tacho': {'column': 's'}}, 0.0, 'the tacho is silent'),
+        ({'angle': {'column': 's', 'counts': 360}}, 0.0, 'stands still'),
+        ({'angle': {'column': 's', 'counts': 360}}, np.nan, 'not finite'),
+        ({'speed': {'column': 's'}}, 0.0, 'stops or turns back'),
+        ({'track': {'order': 20, 'from_rpm': 3000, 'to_rpm': 3300}}, 0.0, 'no line stands out'),
+        ({'track': {'order': 20, 'from_rpm': 9e4, 'to_rpm': 1e5}}, 0.0, 'half of the sample rate'),
+        ({}, 0.0, 'nothing tells its speed'),
+    ],
+)
+def test_a_speed_that_cannot_be_found_leaves_the_levels(shaft, values, words):
+    recording = {**gearbox(1.0), 's': np.full(int(RATE), values)}
+    shafts = {'input': shaft, 'output': {'driven_by': 'first'}}
+    table = gd.analyse(recording, changed(GEARBOX, shafts=shafts))
+    assert words in table['notes'][0]
+    assert np.isfinite(table['housing/rms'][0])
+    assert np.isnan(table['housing/first_harmonic_1'][0])
+
+
+@pytest.mark.parametrize('rpm', [1.0, 60000.0, 1e7])
+def test_speeds_that_fit_no_sample_rate_give_no_orders(rpm):
+    shafts = {'input': {'speed_rpm': rpm}, 'output': {'driven_by': 'first'}}
+    table = gd.analyse(gearbox(1.0), changed(GEARBOX, shafts=shafts))
+    assert np.isnan(table['housing/first_harmonic_1'][0])
+
+
+def test_pulses_of_an_encoder_while_the_speed_rises():
+    t = np.arange(int(2 * 51200)) / 51200
+    angle = 14 * t + 1.2 * t**2
+    recording = {'x': np.cos(2 * np.pi * 20 * angle), 'tacho': np.mod(angle * 512, 1) < 0.5}
+    shafts = {
+        'input': {'tacho': {'column': 'tacho', 'pulses': 512}},
+        'output': {'driven_by': 'first'},
+    }
+    table = gd.analyse(recording, changed(GEARBOX, shafts=shafts, sample_rate=51200.0))
+    np.testing.assert_allclose(table['housing/first_harmonic_1'], 1, rtol=2e-3)
+    assert not table['steady'].any()

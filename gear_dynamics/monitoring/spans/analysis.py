@@ -78,6 +78,14 @@ class SpanAnalysis:
             result.notes.append(f'{name} is constant at {levels["mean"]:g}')
         if channel.unit in SLOW:
             return
+        try:
+            self._orders(name, signal, angles, result)
+        except ValueError as error:
+            result.notes.append(f'{name}: its orders could not be worked out: {error}')
+            for column in channel_columns(self.machine, channel):
+                result.values.setdefault(column, math.nan)
+
+    def _orders(self, name: str, signal: Signal, angles: Angles, result: SpanResult) -> None:
         averages = self._averages(name, signal, angles, result)
         self._gears(name, averages, result)
         if self._near(name):

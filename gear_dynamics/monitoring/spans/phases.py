@@ -178,8 +178,10 @@ class _TachoReader:
     def read(self, signal: Signal) -> tuple[ShaftPhase, str]:
         """Return the angle from the pulses, and what must be known of it."""
         values = signal.values
-        if not np.all(np.isfinite(values)):
-            values = np.where(np.isfinite(values), values, np.nanmin(values, initial=np.inf))
+        finite = np.isfinite(values)
+        if not finite.all():
+            # Where there is no number, there is no pulse.
+            values = np.where(finite, values, values[finite].min() if finite.any() else 0.0)
         swing = float(np.ptp(values))
         if self._hysteresis is None and swing > 0:
             self._level = trigger_level(values) if self._level is None else self._level
