@@ -42,13 +42,18 @@ class Baseline:
         Values that make a baseline.
     machine : str
         What the values belong to, as `machine_text` gives it.
+
+    Attributes
+    ----------
+    changed, unsaved : bool
+        Whether anything was learned since `changed` was cleared, and since the last `save`.
     """
 
     def __init__(self, spans: int, machine: str = '') -> None:
         self._spans = spans
         self.machine = machine
         self._values: dict[Bin, dict[str, list[float]]] = {}
-        self.changed = False
+        self.changed = self.unsaved = False
 
     def learn(self, bin_: Bin, name: str, value: float) -> None:
         """Take the next value of steady operation, unless enough are known already."""
@@ -62,7 +67,7 @@ class Baseline:
         known = names.setdefault(name, [])
         if len(known) < self._spans:
             known.append(value)
-            self.changed = True
+            self.changed = self.unsaved = True
 
     def normal(self, bin_: Bin, name: str) -> Normal | None:
         """Return what was learned; None as long as that is not enough."""
@@ -80,7 +85,7 @@ class Baseline:
     def forget(self) -> None:
         """Begin to learn anew in all bins."""
         self._values.clear()
-        self.changed = True
+        self.changed = self.unsaved = True
 
     @property
     def bins(self) -> dict[str, bool]:
@@ -116,7 +121,7 @@ class Baseline:
             file.flush()
             os.fsync(file.fileno())
         part.replace(path)
-        self.changed = False
+        self.unsaved = False
 
     def load(self, path: str | Path) -> None:
         """Take the values of a file; a file that does not exist yet has none.

@@ -7,6 +7,7 @@ gives the same results.
 from __future__ import annotations
 
 import collections
+import math
 
 import numpy as np
 
@@ -37,6 +38,9 @@ AHEAD = 500
 SAVE_EVERY = 10.0
 """Seconds of stream from one writing of a changed baseline to the next."""
 
+LOOK_EVERY = 1.0
+"""Seconds of stream from one count of the operating bins to the next."""
+
 STARVES = 2.0
 """Spans of a task without a result, beyond the settling time, after which it starves."""
 
@@ -64,6 +68,7 @@ class Monitor:
         self._harmonics: dict[str, Harmonics] = {}
         self._fed: dict[str, float] = {}
         self._saved = 0.0
+        self._looked = -math.inf
         self.health = Health()
 
     def configure(self, machine: Rig | Layout) -> None:
@@ -140,7 +145,8 @@ class Monitor:
     def save(self) -> None:
         """Write what was learned to the baseline's file, if there is one and it is ours."""
         baseline = self._judge.baseline
-        if self._settings.baseline and baseline.changed and not self.health.baseline:
+        self.health.bins = baseline.bins
+        if self._settings.baseline and baseline.unsaved and not self.health.baseline:
             try:
                 baseline.save(self._settings.baseline)
             except OSError as error:
@@ -241,8 +247,6 @@ class Monitor:
         """Keep the counters of what was learned and of what starves; save the baseline."""
         health = self.health
         now = health.seconds
-        if results:
-            health.bins = self._judge.baseline.bins
         for slot in record.slots:
             if slot.fed:
                 self._fed[slot.name] = now
@@ -253,6 +257,10 @@ class Monitor:
                 health.starving[slot.name] = health.restarts.last or 'its span was never complete'
             else:
                 health.starving.pop(slot.name, None)
+        if self._judge.baseline.changed and now - self._looked > LOOK_EVERY:
+            self._looked = now
+            self._judge.baseline.changed = False
+            health.bins = self._judge.baseline.bins
         if now - self._saved > SAVE_EVERY:
             self._saved = now
             self.save()

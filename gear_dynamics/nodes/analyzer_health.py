@@ -9,6 +9,9 @@ from collections.abc import Iterator
 from gear_dynamics.monitoring.health import Health
 from gear_dynamics.nodes.diagnostics import Level, Report
 
+BINS = 20
+"""Operating bins, those that were seen last for the first time, that are told one by one."""
+
 SILENCE = 2.0
 """Seconds without a block after which the stream is said to be silent."""
 
@@ -49,9 +52,11 @@ class AnalyzerHealth:
             **{f'not judged: {reason}': count for reason, count in health.not_judged.items()},
             **{f'failed: {task}': count for task, count in health.failed.items()},
             **{f'starving: {task}': reason for task, reason in health.starving.items()},
+            'bins': len(health.bins),
+            'bins_learned': sum(health.bins.values()),
             **{
                 f'baseline of {bin_}': 'learned' if learned else 'being learned'
-                for bin_, learned in health.bins.items()
+                for bin_, learned in list(health.bins.items())[-BINS:]
             },
         }
         failures = health.failed.total()
