@@ -25,8 +25,8 @@ live: $(VENV)/live
 	@$(VENV)/bin/python -m gear_dynamics rig --dashboard --no-log
 
 # The rooms that compile little; ROS, chaos and long runs are left to `make test`.
-QUICK := test/parameters test/machine test/wire test/bag test/signal test/monitoring test/recordings \
-  test/model test/integrator test/simulation test/package/test_arrows.py test/package/test_doctests.py
+QUICK := test/parameters test/machine test/wire test/signal test/recordings test/model \
+  test/simulation test/package/test_arrows.py test/package/test_doctests.py
 
 quick: $(VENV)/test
 	@$(VENV)/bin/ruff check --quiet

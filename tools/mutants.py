@@ -199,14 +199,20 @@ class Trial:
 
 
 def of_file(reached: dict[tuple[Path, int], set[str]], mutant: Mutant) -> set[str]:
-    """Return the tests that reach any line of a mutant's file, if its own line is compiled."""
+    """Return the tests that reach any line of a mutant's file, if its own line says no tests.
+
+    That is so of compiled lines, and of those that run once, when the module is imported.
+    """
+    file = mutant.file.relative_to(ROOT)
+    every = set().union(*(each for (name, _), each in reached.items() if name == file))
+    if (file, mutant.line) in reached:
+        return every
     for node in ast.walk(ast.parse(mutant.file.read_text(encoding='utf-8'))):
         if not isinstance(node, ast.FunctionDef):
             continue
         inside = node.lineno <= mutant.line <= (node.end_lineno or 0)
         if inside and any('kernel' in ast.unparse(each) for each in node.decorator_list):
-            file = mutant.file.relative_to(ROOT)
-            return set().union(*(each for (name, _), each in reached.items() if name == file))
+            return every
     return set()
 
 

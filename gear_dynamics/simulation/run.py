@@ -11,6 +11,7 @@ from gear_dynamics.model.faults import Fault
 from gear_dynamics.model.faults.label import Label, labels
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.parameters.run_settings import RunSettings
+from gear_dynamics.simulation.state import State
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -31,6 +32,9 @@ class Run:
         As they are at the end of the run.
     faults : tuple of Fault
         What was wrong with the machine.
+    final_state : State
+        For `simulate(..., initial_state=run.final_state)`, which goes on from there; None if the
+        run was put together from samples.
     """
 
     samples: np.ndarray
@@ -38,6 +42,7 @@ class Run:
     pair: GearPair
     settings: RunSettings
     faults: tuple[Fault, ...] = ()
+    final_state: State | None = None
 
     @property
     def labels(self) -> tuple[Label, ...]:

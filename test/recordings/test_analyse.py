@@ -336,7 +336,7 @@ def test_speeds_that_fit_no_sample_rate_give_no_orders(rpm):
 
 
 def test_pulses_of_an_encoder_while_the_speed_rises():
-    t = np.arange(int(2 * 51200)) / 51200
+    t = np.arange(2 * 51200) / 51200
     angle = 14 * t + 1.2 * t**2
     recording = {'x': np.cos(2 * np.pi * 20 * angle), 'tacho': np.mod(angle * 512, 1) < 0.5}
     shafts = {

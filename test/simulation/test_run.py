@@ -89,3 +89,49 @@ def test_the_package_alone_loads_nothing_slow():
     )
     done = subprocess.run([sys.executable, '-c', program], capture_output=True, text=True, cwd=ROOT)
     assert done.stdout.strip() == 'set()', done.stderr
+
+
+@pytest.mark.parametrize('anti_alias', [False, True])
+@pytest.mark.parametrize('rate', [25600.0, 51200.0])
+def test_two_runs_joined_equal_one_to_the_last_bit(anti_alias, rate):
+    # 9500 rpm: chaotic, so that the least difference would show.
+    values = {'sample_rate': rate, 'speed': 994.8, 'load_torque': 150.0, 'anti_alias': anti_alias}
+    whole = gd.simulate(gd.GearPair(), 0.05, **values)
+    parts = [gd.simulate(gd.GearPair(), 0.02, **values)]
+    for _ in range(3):  # of which two go on from the same state
+        before = parts[-1] if len(parts) < 3 else parts[1]
+        state, kept = before.final_state, {'sample_rate': rate, 'anti_alias': anti_alias}
+        parts.append(gd.simulate(gd.GearPair(), 0.015, initial_state=state, **kept))
+    samples = np.concatenate([run.samples for run in parts[:3]])
+    assert samples.tobytes() == whole.samples.tobytes()
+    assert np.concatenate([run.events for run in parts[:3]]).tobytes() == whole.events.tobytes()
+    assert parts[3].samples.tobytes() == parts[2].samples.tobytes()
+
+
+def test_a_run_that_goes_on_takes_other_commands_and_refuses_other_samples():
+    run = gd.simulate(gd.GearPair(), 0.01, speed=200.0, load_torque=60.0)
+    kept = gd.simulate(gd.GearPair(), 0.01, initial_state=run.final_state)
+    assert (kept.settings.speed, kept.settings.load_torque) == (200.0, 60.0)
+    faster = gd.simulate(gd.GearPair(), 0.01, speed=201.0, initial_state=run.final_state)
+    assert faster.settings.speed == 201.0
+    assert faster['load_torque'][-1] == 60.0
+    assert faster['pinion_angle'][-1] > kept['pinion_angle'][-1]
+    with pytest.raises(
+        gd.ParameterError, match=r'sample_rate is 100\.0: initial_state is of a run'
+    ):
+        gd.simulate(gd.GearPair(), 0.1, 100.0, initial_state=run.final_state)
+    with pytest.raises(gd.ParameterError, match='anti_alias is False: initial_state is of a run'):
+        gd.simulate(gd.GearPair(), anti_alias=False, initial_state=run.final_state)
+    with pytest.raises(gd.ParameterError, match='pinion_teeth is 33: it cannot change'):
+        gd.simulate(gd.GearPair(pinion_teeth=33), initial_state=run.final_state)
+
+
+def test_a_run_that_goes_on_keeps_its_faults_and_takes_others():
+    crack = gd.faults.RootCrack('pinion', tooth=0, severity=0.5)
+    run = gd.simulate(gd.GearPair(), 0.01, faults=[crack])
+    kept = gd.simulate(gd.GearPair(), 0.01, initial_state=run.final_state)
+    again = gd.simulate(gd.GearPair(), 0.01, faults=[crack], initial_state=run.final_state)
+    healed = gd.simulate(gd.GearPair(), 0.01, faults=[], initial_state=run.final_state)
+    assert kept.samples.tobytes() == again.samples.tobytes()
+    assert (kept.faults, healed.faults) == ((crack,), ())
+    assert [label.fault for label in kept.labels] == ['root_crack']
