@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +13,6 @@ from gear_dynamics.model.faults import Fault
 from gear_dynamics.model.faults.collection import checked_faults
 from gear_dynamics.model.gear_pair import GearPair, checked_pair
 from gear_dynamics.parameters.parameter import ParameterError
-from gear_dynamics.parameters.run_settings import RunSettings
 from gear_dynamics.simulation.run import Run
 from gear_dynamics.simulation.simulator import Simulator
 from gear_dynamics.simulation.state import State
@@ -82,26 +82,28 @@ def simulate(
     >>> float(more['t'][0])
     0.1
     """
-    sampling = {'sample_rate': sample_rate, 'anti_alias': anti_alias, 'rtol': rtol, 'atol': atol}
+    sampling: dict[str, Any] = {
+        'sample_rate': sample_rate,
+        'anti_alias': anti_alias,
+        'rtol': rtol,
+        'atol': atol,
+    }
     commands = {'speed': speed, 'load_torque': load_torque}
-    given = {name: value for name, value in commands.items() if value is not None}
+    given: dict[str, Any] = {name: value for name, value in commands.items() if value is not None}
     if initial_state is None:
-        settings = RunSettings(**sampling, **given)  # type: ignore[arg-type]
-        count = settings.sample_count(duration, SAMPLES.itemsize)
         simulator = Simulator(pair, faults=faults or (), **sampling, **given)
     else:
         _refuse_other_sampling(initial_state, sampling)
-        count = initial_state.settings.sample_count(duration, SAMPLES.itemsize)
         simulator = _simulator_of(initial_state)
         new_faults = simulator.faults if faults is None else checked_faults(faults)
         if (checked_pair(pair), new_faults) != (simulator.pair, simulator.faults):
             simulator.change(pair=pair, faults=new_faults)
         if any(getattr(simulator.settings, name) != value for name, value in given.items()):
             simulator.command(**given)
-    return _advance(simulator, count)
+    return _advance(simulator, simulator.settings.sample_count(duration, SAMPLES.itemsize))
 
 
-def _refuse_other_sampling(state: State, sampling: dict[str, float]) -> None:
+def _refuse_other_sampling(state: State, sampling: dict[str, Any]) -> None:
     for name, value in sampling.items():
         before = getattr(state.settings, name)
         if value != before:
