@@ -7,7 +7,7 @@ import struct
 import zlib
 from collections.abc import Iterator
 from io import BytesIO
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import EndOfFile, McapError
@@ -75,8 +75,7 @@ class ChunkHead:
     data_length: int
 
 
-@dataclasses.dataclass(frozen=True, slots=True)
-class RawMessage:
+class RawMessage(NamedTuple):
     """A message record: channel number, sequence, times [ns] and a view of its bytes."""
 
     channel: int
@@ -215,9 +214,8 @@ def iter_records(records: memoryview) -> Iterator[RawMessage | Channel | Schema]
         if opcode == Opcode.MESSAGE:
             if length < MESSAGE.size:
                 raise RecordError('it holds a message record that is too short')
-            channel, sequence, log_time, publish_time = MESSAGE.unpack_from(records, start)
-            data = records[start + MESSAGE.size : at]
-            yield RawMessage(channel, sequence, log_time, publish_time, data)
+            fields = MESSAGE.unpack_from(records, start)
+            yield RawMessage._make((*fields, records[start + MESSAGE.size : at]))
         elif opcode == Opcode.CHANNEL:
             yield parse_record(Channel, records[start:at])
         elif opcode == Opcode.SCHEMA:

@@ -9,6 +9,7 @@ import stat
 import tempfile
 from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 from mcap.opcode import Opcode
 from mcap.records import Channel, ChunkIndex, Header, Metadata, Schema
@@ -114,8 +115,7 @@ class LogChannel:
         return dict(self.metadata).get('offered_qos_profiles', '')
 
 
-@dataclasses.dataclass(frozen=True, slots=True)
-class ReadMessage:
+class ReadMessage(NamedTuple):
     """A message as it stands in a file; `data` is a view of the records at `offset`."""
 
     channel: LogChannel
@@ -347,24 +347,22 @@ class McapSource:
     ) -> list[ReadMessage]:
         """Return the messages of a segment in the order of the file."""
         messages = []
-        for raw, channel in self._raw_messages(segment):
+        offset = segment.offset
+        for (_, sequence, log_time, publish_time, data), channel in self._raw_messages(segment):
             if (
                 (topics is None or channel.topic in topics)
-                and (start is None or raw.log_time >= start)
-                and (end is None or raw.log_time < end)
+                and (start is None or log_time >= start)
+                and (end is None or log_time < end)
             ):
-                data = raw.data
-                if channel.encoding == 'cdr' and raw.data[:4] == ZSTD_MAGIC:
+                if data[:4] == ZSTD_MAGIC and channel.encoding == 'cdr':
                     try:
-                        data = memoryview(decompress_message(raw.data))
+                        data = memoryview(decompress_message(data))
                     except DecompressionError as error:
                         reason = f'a message of {channel.topic[:100]!r} is lost: {error}'
-                        self._damaged(segment.offset, reason)
+                        self._damaged(offset, reason)
                         continue
                 messages.append(
-                    ReadMessage(
-                        channel, raw.sequence, raw.log_time, raw.publish_time, data, segment.offset
-                    )
+                    ReadMessage(channel, sequence, log_time, publish_time, data, offset)
                 )
         return messages
 
