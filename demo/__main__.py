@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from demo.stream import CRACKED_TOOTH, DemoError, Streamed, stream
-from gear_dynamics.bag.source import LogError
+from gear_dynamics.bag.channel import LogError
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.parameters.settings import SimSettings
 

@@ -229,8 +229,8 @@ def shared_memory() -> float:
 
 def lost(log: Path, killed: float) -> list[float]:
     """Return how much of the stream before a kill is not in a log [s]; nothing if it had none."""
+    from gear_dynamics.bag.channel import LogError
     from gear_dynamics.bag.reader import read_messages
-    from gear_dynamics.bag.source import LogError
 
     last = 0
     with warnings.catch_warnings():

@@ -9,13 +9,13 @@ import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from gear_dynamics.bag.channel import LogError
 from gear_dynamics.bag.chunk_builder import COMPRESSIONS
 from gear_dynamics.bag.export import FORMATS, export
 from gear_dynamics.bag.info import log_info
 from gear_dynamics.bag.info_text import info_lines
 from gear_dynamics.bag.log import printable
 from gear_dynamics.bag.recover import recover
-from gear_dynamics.bag.source import LogError
 from gear_dynamics.machine.columns import CHANNELS
 
 OPTION_DEFAULT = 'default: %(default)s'

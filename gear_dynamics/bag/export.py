@@ -13,9 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
+from gear_dynamics.bag.channel import LogError
 from gear_dynamics.bag.log import Log, LogPath, LogWarning, printable
 from gear_dynamics.bag.reader import common_type, iter_rows
-from gear_dynamics.bag.source import LogError
 
 FORMATS = ('npz', 'csv')
 

@@ -9,8 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
+from gear_dynamics.bag.channel import ChannelCount, Damage, LogChannel, ReadMessage
 from gear_dynamics.bag.log import Log, LogPath, is_samples
-from gear_dynamics.bag.source import ChannelCount, Damage, LogChannel, McapSource, ReadMessage
+from gear_dynamics.bag.source import McapSource
 from gear_dynamics.machine.configuration import Rig
 from gear_dynamics.wire.tables import Table, TableError, decode_table
 

@@ -10,16 +10,9 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
 
+from gear_dynamics.bag.channel import ChannelCount, Damage, LogChannel, LogError, ReadMessage
 from gear_dynamics.bag.merge import in_time_order
-from gear_dynamics.bag.source import (
-    ChannelCount,
-    Damage,
-    LogChannel,
-    LogError,
-    McapSource,
-    ReadMessage,
-    Segment,
-)
+from gear_dynamics.bag.source import McapSource, Segment
 from gear_dynamics.wire.messages import MessageError, header_stamp
 from gear_dynamics.wire.topics import DIAGNOSTICS
 

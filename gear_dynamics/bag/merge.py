@@ -6,7 +6,8 @@ import heapq
 from collections.abc import Callable, Iterable, Iterator
 from operator import attrgetter
 
-from gear_dynamics.bag.source import McapSource, ReadMessage, Segment
+from gear_dynamics.bag.channel import ReadMessage
+from gear_dynamics.bag.source import McapSource, Segment
 
 MOST_HELD = 1 << 27
 """Bytes of segments, overlapping in time, that are held at once to put them in order."""

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 from numpy.lib.recfunctions import repack_fields
 
+from gear_dynamics.bag.channel import Damage, LogChannel, LogError
 from gear_dynamics.bag.log import Log, LogPath, message_time, printable, warn_of
 from gear_dynamics.bag.rows import row_reader
-from gear_dynamics.bag.source import Damage, LogChannel, LogError
 from gear_dynamics.bag.time_range import log_time_range
 
 _ROWS_AT_FIRST = 1 << 16

@@ -6,10 +6,10 @@ import dataclasses
 from pathlib import Path
 
 from gear_dynamics.bag.bag_writer import BagWriter
+from gear_dynamics.bag.channel import Damage, LogChannel, LogError
 from gear_dynamics.bag.log import Log, LogPath
 from gear_dynamics.bag.metadata import Topic
 from gear_dynamics.bag.qos import in_words, read_profiles
-from gear_dynamics.bag.source import Damage, LogChannel, LogError
 
 
 @dataclasses.dataclass(frozen=True)

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from gear_dynamics.bag.channel import LogError
 from gear_dynamics.bag.log import SAMPLES_TOPIC, Log
 from gear_dynamics.bag.reader import iter_rows
-from gear_dynamics.bag.source import LogError
 from gear_dynamics.machine.columns import EventKind
 from gear_dynamics.machine.configuration import Rig
 from gear_dynamics.signal.spectrum import amplitudes, mean_square_lines, window_samples

@@ -10,8 +10,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from gear_dynamics.bag.channel import LogChannel, LogError
 from gear_dynamics.bag.log import printable
-from gear_dynamics.bag.source import LogChannel, LogError
 from gear_dynamics.machine.columns import SAMPLE_COLUMNS, SAMPLES
 from gear_dynamics.wire.messages import MessageError, deserialize, message_class
 from gear_dynamics.wire.tables import decode_table

@@ -5,24 +5,21 @@ from __future__ import annotations
 import dataclasses
 import functools
 import os
-import stat
-import tempfile
 from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
-from typing import NamedTuple
 
 from mcap.opcode import Opcode
 from mcap.records import Channel, ChunkIndex, Header, Metadata, Schema
-from mcap.writer import MCAP0_MAGIC
 
+from gear_dynamics.bag.channel import ChannelCount, Damage, LogChannel, LogError, ReadMessage
 from gear_dynamics.bag.decompress import (
     ZSTD_MAGIC,
     DecompressionError,
-    decompress_file,
     decompress_message,
 )
 from gear_dynamics.bag.index import read_index
 from gear_dynamics.bag.mcap_file import CONFIGURATION, configuration_checksum
+from gear_dynamics.bag.open_file import foreign_kind, open_file
 from gear_dynamics.bag.records import (
     LARGEST_RECORD,
     MESSAGE,
@@ -34,96 +31,14 @@ from gear_dynamics.bag.records import (
     parse_record,
     unpack_chunk,
 )
-from gear_dynamics.bag.walk import Place, Walk, find_chunk
-from gear_dynamics.portable import READ, pread
+from gear_dynamics.bag.walk import Place, Walk
+from gear_dynamics.portable import pread
 
 _LOOSE_SIZE = 1 << 20
 """Bytes of messages outside chunks that are read at once."""
 
 LONGEST_NAME = 4096
 """Characters of a topic, a type or an encoding."""
-
-_FOREIGN = {
-    b'SQLite format 3\0': 'this is an SQLite bag: `ros2 bag convert` makes an MCAP bag of it',
-    b'#ROSBAG V': 'this is a bag of ROS 1: `rosbags-convert` makes a ROS 2 bag of it',
-}
-"""First bytes of other kinds of logs, and what to do with them."""
-
-
-class LogError(ValueError):
-    """A log cannot be read at all; the message says why."""
-
-
-@dataclasses.dataclass(frozen=True)
-class Damage:
-    """A place in a log that could not be read.
-
-    Attributes
-    ----------
-    path : Path
-        The file.
-    offset : int
-        Byte at which it begins.
-    reason : str
-        What is wrong, and what was skipped.
-    loss : bool
-        Whether messages may have been lost.
-    """
-
-    path: Path
-    offset: int
-    reason: str
-    loss: bool = True
-
-    def __str__(self) -> str:
-        return f'{self.path.name}, byte {self.offset}: {self.reason}'
-
-
-@dataclasses.dataclass(frozen=True)
-class LogChannel:
-    """A topic as a log has it.
-
-    Attributes
-    ----------
-    topic, type_name : str
-        As they stand in the file; the type is empty where there is no schema.
-    encoding : str
-        Of the messages; 'cdr' in logs of ROS 2.
-    schema_encoding : str
-        'ros2msg', for one.
-    schema : bytes
-        Definition of the type.
-    metadata : tuple of (str, str)
-        What else the file says of the channel.
-    """
-
-    topic: str
-    type_name: str
-    encoding: str = 'cdr'
-    schema_encoding: str = ''
-    schema: bytes = b''
-    metadata: tuple[tuple[str, str], ...] = ()
-
-    @property
-    def type_hash(self) -> str:
-        """Type hash of REP 2011; empty where it is not known."""
-        return dict(self.metadata).get('topic_type_hash', '')
-
-    @property
-    def qos(self) -> str:
-        """Offered QoS profiles as YAML; empty where they are not known."""
-        return dict(self.metadata).get('offered_qos_profiles', '')
-
-
-class ReadMessage(NamedTuple):
-    """A message as it stands in a file; `data` is a view of the records at `offset`."""
-
-    channel: LogChannel
-    sequence: int
-    log_time: int
-    publish_time: int
-    data: memoryview
-    offset: int
 
 
 @dataclasses.dataclass(slots=True)
@@ -153,28 +68,6 @@ class Segment:
     size: int
     index: ChunkIndex | None = None
     is_chunk: bool = True
-
-
-@dataclasses.dataclass
-class ChannelCount:
-    """Messages of a channel in a file, and log times of the first and the last [ns]."""
-
-    messages: int = 0
-    start: int = 0
-    end: int = 0
-
-    def add(self, log_time: int) -> None:
-        """Count a message."""
-        self.start = min(self.start, log_time) if self.messages else log_time
-        self.end = max(self.end, log_time)
-        self.messages += 1
-
-    def merge(self, other: ChannelCount) -> None:
-        """Add what was counted elsewhere."""
-        if other.messages:
-            self.start = min(self.start, other.start) if self.messages else other.start
-            self.end = max(self.end, other.end)
-            self.messages += other.messages
 
 
 class McapSource:
@@ -218,7 +111,7 @@ class McapSource:
         self.complete = False
         self.profile: str | None = None
         try:
-            self.file = _open(path)
+            self.file = open_file(path)
         except OSError as error:
             raise LogError(f'{path}: {error.strerror}') from None
         try:
@@ -231,7 +124,7 @@ class McapSource:
                     self._learn(schema, self.index.start)
                 for channel in self.index.channels.values():
                     self._learn(channel, self.index.start)
-            self.foreign = self._foreign_kind()
+            self.foreign = '' if self.index is not None else foreign_kind(self.file, self.size)
             if not self.foreign:
                 self._walk()
         except BaseException:
@@ -241,16 +134,6 @@ class McapSource:
     def close(self) -> None:
         """Close the file."""
         os.close(self.file)
-
-    def _foreign_kind(self) -> str:
-        """Return what the file is if neither its first bytes nor any others are those of MCAP."""
-        if self.index is not None or pread(self.file, len(MCAP0_MAGIC), 0) == MCAP0_MAGIC:
-            return ''
-        if find_chunk(self.file, 0, self.size) is not None:
-            return ''
-        head = pread(self.file, 16, 0)
-        hints = (hint for magic, hint in _FOREIGN.items() if head.startswith(magic))
-        return next(hints, 'this is no MCAP file')
 
     @property
     def channels(self) -> dict[int, LogChannel]:
@@ -467,28 +350,3 @@ class McapSource:
 def _is_time(text: str) -> bool:
     """Check that a text is a time that MCAP can hold [ns]."""
     return text.isascii() and text.isdecimal() and len(text) <= 20 and int(text) < 1 << 64
-
-
-def _open(path: Path) -> int:
-    """Open a file; a compressed one is unpacked to a temporary file first.
-
-    Raises
-    ------
-    LogError
-        If it does not decompress.
-    OSError
-        If it cannot be opened, or there is no room for it.
-    """
-    file = os.open(path, READ)
-    if not stat.S_ISREG(os.fstat(file).st_mode):
-        os.close(file)
-        raise LogError(f'{path}: this is no file')
-    if pread(file, len(ZSTD_MAGIC), 0) != ZSTD_MAGIC:
-        return file
-    with os.fdopen(file, 'rb') as compressed, tempfile.TemporaryFile() as plain:
-        try:
-            decompress_file(compressed, plain)
-        except DecompressionError as error:
-            raise LogError(f'{path}: {error}') from None
-        plain.flush()
-        return os.dup(plain.fileno())

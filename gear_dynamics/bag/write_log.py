@@ -13,9 +13,9 @@ import numpy as np
 import yaml
 
 from gear_dynamics.bag.bag_writer import BagWriter
+from gear_dynamics.bag.channel import LogError
 from gear_dynamics.bag.chunk_builder import COMPRESSIONS
 from gear_dynamics.bag.metadata import OfferedQos, Topic, published_topic
-from gear_dynamics.bag.source import LogError
 from gear_dynamics.parameters.settings import SimSettings
 from gear_dynamics.simulation.configuration import configuration_text
 from gear_dynamics.simulation.run import Run

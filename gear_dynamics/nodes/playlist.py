@@ -7,8 +7,8 @@ import itertools
 from collections.abc import Callable, Collection, Iterator, Sequence
 from typing import NamedTuple
 
+from gear_dynamics.bag.channel import Damage, LogChannel
 from gear_dynamics.bag.reader import LogMessage, read_messages
-from gear_dynamics.bag.source import Damage, LogChannel
 from gear_dynamics.wire.messages import MessageError, deserialize, message_class, serialize
 from gear_dynamics.wire.topics import CONFIGURATION
 

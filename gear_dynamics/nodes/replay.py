@@ -15,8 +15,8 @@ from rclpy.qos import HistoryPolicy
 from std_srvs.srv import SetBool, Trigger
 from tqdm import tqdm
 
+from gear_dynamics.bag.channel import Damage, LogChannel, LogError
 from gear_dynamics.bag.log import Log
-from gear_dynamics.bag.source import Damage, LogChannel, LogError
 from gear_dynamics.nodes.diagnostics import Diagnostics, Level, Report
 from gear_dynamics.nodes.listeners import Listeners
 from gear_dynamics.nodes.parameters import NodeParameters

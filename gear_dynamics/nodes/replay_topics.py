@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Collection
 
+from gear_dynamics.bag.channel import LogChannel
 from gear_dynamics.bag.qos import first_profile
-from gear_dynamics.bag.source import LogChannel
 from gear_dynamics.wire.topics import DIAGNOSTICS, Qos
 
 REPLAYED_DIAGNOSTICS = '~/diagnostics'

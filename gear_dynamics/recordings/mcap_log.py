@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from gear_dynamics.bag.channel import LogError
 from gear_dynamics.bag.log import Log
 from gear_dynamics.bag.reader import iter_rows
-from gear_dynamics.bag.source import LogError
 from gear_dynamics.recordings.table import RecordingError, Table, as_numbers, find_column
 
 

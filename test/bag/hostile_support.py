@@ -24,12 +24,12 @@ import zstandard
 from mcap.opcode import Opcode
 from mcap.records import Chunk, ChunkIndex, Message, Statistics
 
+from gear_dynamics.bag.channel import LogError
 from gear_dynamics.bag.command import main as log_command
 from gear_dynamics.bag.log import Log
 from gear_dynamics.bag.mcap_file import configuration_checksum
 from gear_dynamics.bag.qos import first_profile
 from gear_dynamics.bag.reader import read_log, read_messages
-from gear_dynamics.bag.source import LogError
 from gear_dynamics.machine.configuration import Rig
 from gear_dynamics.wire.messages import MessageError, deserialize, message_class, serialize
 from gear_dynamics.wire.tables import TABLE_TYPE, columns_as_float32, encode_table

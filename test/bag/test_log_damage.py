@@ -13,11 +13,11 @@ from mcap.writer import MCAP0_MAGIC
 from rosbags.rosbag2 import Reader
 
 import gear_dynamics.bag.mcap_file
+from gear_dynamics.bag.channel import LogError
 from gear_dynamics.bag.info import log_info
 from gear_dynamics.bag.log import LogWarning
 from gear_dynamics.bag.reader import read_log, read_messages
 from gear_dynamics.bag.recover import recover
-from gear_dynamics.bag.source import LogError
 
 CASES = 200
 SAMPLES_TOPIC = '/gear_pair/samples'

@@ -15,13 +15,13 @@ from rosbags.interfaces import QosDurability, QosReliability
 from rosbags.rosbag2 import Reader
 
 from gear_dynamics.bag import merge
+from gear_dynamics.bag.channel import LogError
 from gear_dynamics.bag.command import main
 from gear_dynamics.bag.info import log_info
 from gear_dynamics.bag.log import Log, LogWarning
 from gear_dynamics.bag.qos import first_profile, read_profiles
 from gear_dynamics.bag.reader import read_log, read_messages
 from gear_dynamics.bag.recover import recover
-from gear_dynamics.bag.source import LogError
 
 
 def expected(content):

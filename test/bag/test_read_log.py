@@ -10,9 +10,9 @@ import pytest
 import gear_dynamics as gd
 import gear_dynamics.bag.mcap_file
 import gear_dynamics.bag.source
+from gear_dynamics.bag.channel import LogError
 from gear_dynamics.bag.log import LogWarning
 from gear_dynamics.bag.reader import read_messages
-from gear_dynamics.bag.source import LogError
 from gear_dynamics.machine.columns import EVENTS, SAMPLES
 from gear_dynamics.wire.messages import message_class, serialize
 

@@ -6,10 +6,10 @@ import yaml
 from rosbags.rosbag2 import Reader
 
 import gear_dynamics as gd
+from gear_dynamics.bag.channel import LogError
 from gear_dynamics.bag.info import log_info
 from gear_dynamics.bag.log import Log
 from gear_dynamics.bag.report import find_rig
-from gear_dynamics.bag.source import LogError
 
 
 @pytest.fixture(scope='module')

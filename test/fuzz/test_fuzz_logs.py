@@ -12,11 +12,11 @@ from fuzz.damage import check_refusal, damaged_bytes, damaged_logs
 from hypothesis import given
 from mcap.writer import CompressionType, Writer
 
+from gear_dynamics.bag.channel import LogError
 from gear_dynamics.bag.info import log_info
 from gear_dynamics.bag.log import LogWarning
 from gear_dynamics.bag.reader import read_log
 from gear_dynamics.bag.recover import recover
-from gear_dynamics.bag.source import LogError
 from gear_dynamics.wire.messages import message_type
 
 PUBLISHED = bag_support.messages(6)

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from gear_dynamics.bag.channel import LogChannel
 from gear_dynamics.bag.reader import LogMessage
-from gear_dynamics.bag.source import LogChannel
 from gear_dynamics.nodes.player import Player
 from gear_dynamics.nodes.playlist import Item
 

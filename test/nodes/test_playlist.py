@@ -4,8 +4,8 @@ import itertools
 
 import pytest
 
+from gear_dynamics.bag.channel import LogChannel
 from gear_dynamics.bag.metadata import OfferedQos
-from gear_dynamics.bag.source import LogChannel
 from gear_dynamics.bag.writer import LogWriter
 from gear_dynamics.machine.configuration import Rig
 from gear_dynamics.model.gear_pair import GearPair
