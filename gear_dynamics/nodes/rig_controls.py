@@ -14,6 +14,7 @@ from std_msgs.msg import Float64
 from std_srvs.srv import SetBool, Trigger
 
 from gear_dynamics.config_files import config_file
+from gear_dynamics.simulation.faults import fault_values
 from gear_dynamics.web.commands import Command, Pause, Reset, SetFault, SetValue, UsePreset
 from gear_dynamics.web.live_rig import LiveRig
 from gear_dynamics.web.presets import preset_of
@@ -77,7 +78,7 @@ class RigControls:
         if isinstance(command, SetValue):
             self._set({command.name: command.value})
         elif isinstance(command, SetFault):
-            self._set(_fault_parameters(command.kind, vars(command)))
+            self._set(fault_values(command.kind, vars(command)))
         elif isinstance(command, Pause):
             request = SetBool.Request(data=command.held)
             self._call(self._pause, request)
@@ -94,7 +95,7 @@ class RigControls:
             return
         faults: dict[str, Any] = {f'fault.{kind}.severity': 0.0 for kind in self.fault_kinds}
         for kind, values in preset.faults.items():
-            faults.update(_fault_parameters(kind, values))
+            faults.update(fault_values(kind, values))
         self._rig.clear_points()
         # The pair first: its own friction coefficient would replace that of the preset.
         self._set({'pair_file': str(path)}, lambda: self._set({**preset.values, **faults}))
@@ -134,13 +135,3 @@ class RigControls:
         client.call_async(request).add_done_callback(
             lambda future: self._rig.notice(future.result().message)
         )
-
-
-def _fault_parameters(kind: str, values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the ROS parameters of a fault; tooth -1 stands for all teeth."""
-    tooth = values.get('tooth')
-    return {
-        f'fault.{kind}.wheel': values.get('wheel', 'pinion'),
-        f'fault.{kind}.tooth': -1 if tooth is None else int(tooth),
-        f'fault.{kind}.severity': float(values.get('severity', 0.0)),
-    }

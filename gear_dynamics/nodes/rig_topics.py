@@ -18,6 +18,7 @@ from gear_dynamics.wire.topics import (
     CONDITION,
     CONFIGURATION,
     DIAGNOSTICS,
+    LABEL,
     SAMPLES,
     TABLES,
     Topic,
@@ -46,6 +47,7 @@ class RigTopics:
         self._listen(SAMPLES, self._on_samples)
         self._listen(CONFIGURATION, self._on_configuration)
         self._listen(CONDITION, self._on_condition)
+        self._listen(LABEL, self._on_label)
         self._listen(DIAGNOSTICS, self._on_diagnostics)
         for table in TABLES:
             name = table.name.rpartition('/')[2]
@@ -86,6 +88,10 @@ class RigTopics:
         for status in deserialize(data, CONDITION.type_name).status:
             subject = status.name.rpartition(': ')[2]
             self._rig.set_condition(subject, status.level, status.message, _values(status))
+
+    def _on_label(self, data: bytes) -> None:
+        labels = deserialize(data, LABEL.type_name).status
+        self._rig.set_faults([_values(status) for status in labels])
 
     def _on_diagnostics(self, data: bytes) -> None:
         """Take what the nodes of this rig say of themselves; their names carry its namespace."""

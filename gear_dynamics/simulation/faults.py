@@ -81,6 +81,15 @@ class FaultSettings(ParameterSet):
         return tuple(fault for fault in found if fault.severity > 0)
 
 
+def fault_values(kind: str, values: Mapping[str, Any]) -> dict[str, Value]:
+    """Return the parameters of a fault by name, as far as its kind has them; -1 is all teeth."""
+    tooth = values.get('tooth')
+    given = {**values, 'tooth': -1 if tooth is None else int(tooth)}
+    names = {f'{PREFIX}{kind}.{name}': value for name, value in given.items()}
+    known = {about.name for about in FaultSettings.parameters()}
+    return {name: value for name, value in names.items() if name in known}
+
+
 def read_faults(path: str | Path) -> list[Fault]:
     """Read a list of faults.
 

@@ -9,6 +9,7 @@ import signal
 import sys
 from collections.abc import Sequence
 
+from gear_dynamics.model.faults import KINDS
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.parameters.files import read_parameters
 from gear_dynamics.parameters.parameter import ParameterError
@@ -63,7 +64,7 @@ def _local(arguments: argparse.Namespace) -> int:
 
 
 async def _serve(page: DashboardSettings, pair: GearPair, settings: SimSettings) -> int:
-    hub = Hub('the machine starts; a first start compiles it')
+    hub = Hub('the machine starts; a first start compiles it', tuple(KINDS))
     server = PageServer(hub, page.address, page.port)
     try:
         await server.start()

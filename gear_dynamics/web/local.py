@@ -8,6 +8,7 @@ import queue
 import threading
 import time
 from collections.abc import Mapping
+from typing import Any
 
 import yaml
 
@@ -17,9 +18,10 @@ from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.monitoring.monitor import Monitor, warm_up
 from gear_dynamics.monitoring.results import ConditionResult, Result, TableResult
 from gear_dynamics.monitoring.thresholds import Thresholds
-from gear_dynamics.parameters.parameter import ParameterError
+from gear_dynamics.parameters.parameter import ParameterError, Value
 from gear_dynamics.parameters.settings import AnalyzerSettings, SimSettings
 from gear_dynamics.simulation.configuration import configuration_text
+from gear_dynamics.simulation.faults import FaultSettings, fault_values
 from gear_dynamics.simulation.simulator import IntegrationError, Simulator
 from gear_dynamics.web.commands import Command, Pause, Reset, SetFault, SetValue, UsePreset
 from gear_dynamics.web.hub import Hub
@@ -45,6 +47,7 @@ class LocalMachine:
         self._hub = hub
         self._rig = LiveRig('local')
         self._pair, self._settings = pair, settings
+        self._faults = FaultSettings()
         self._commands: queue.SimpleQueue[Command] = queue.SimpleQueue()
         self._stop = threading.Event()
         self._paused = False
@@ -63,11 +66,12 @@ class LocalMachine:
         """Take a command, which is carried out between two blocks."""
         self._commands.put(command)
 
-    def _begin(self, pair: GearPair, settings: SimSettings) -> None:
-        """Start the machine anew with a pair, as at t = 0."""
-        self._pair, self._settings = pair, settings
+    def _begin(self, pair: GearPair, settings: SimSettings, faults: FaultSettings) -> None:
+        """Start the machine anew with a pair and faults, as at t = 0."""
+        self._pair, self._settings, self._faults = pair, settings, faults
         self._simulator = Simulator(
             pair,
+            faults=faults.faults(),
             sample_rate=settings.sample_rate,
             speed=settings.speed,
             load_torque=settings.load_torque,
@@ -82,6 +86,7 @@ class LocalMachine:
         self._rig.clear_points()
         self._restart()
         self._configure()
+        self._say_faults()
 
     def _restart(self) -> None:
         self._origin_ns = time.time_ns()
@@ -95,9 +100,9 @@ class LocalMachine:
 
     def _run(self) -> None:
         warm_up()
-        self._begin(self._pair, self._settings)
+        self._begin(self._pair, self._settings, self._faults)
         self._simulator.advance(1)  # compiles what has not been
-        self._begin(self._pair, self._settings)
+        self._begin(self._pair, self._settings, self._faults)
         self._hub.add(self._rig, self)
         interval = self._settings.block_size / self._settings.sample_rate
         behind = 0.0
@@ -167,12 +172,12 @@ class LocalMachine:
             self._paused = command.held
             return 'paused' if command.held else 'running'
         if isinstance(command, Reset):
-            self._begin(self._pair, self._settings)
+            self._begin(self._pair, self._settings, self._faults)
             return 'back to the start'
         if isinstance(command, UsePreset):
             return self._use_preset(command.name)
         assert isinstance(command, SetFault)
-        return f'{command.kind}: this rig takes no faults'
+        return self._set_fault(command.kind, vars(command))
 
     def _set(self, name: str, value: float) -> str:
         if name == 'friction_coefficient':
@@ -186,6 +191,16 @@ class LocalMachine:
         self._configure()
         return f'{name} set to {value:g}'
 
+    def _set_fault(self, kind: str, values: Mapping[str, Any]) -> str:
+        faults = FaultSettings({**self._faults.values, **fault_values(kind, values)})
+        self._simulator.change(faults=faults.faults())
+        self._faults = faults
+        self._say_faults()
+        return f'{kind} set to severity {values["severity"]:g}'
+
+    def _say_faults(self) -> None:
+        self._rig.set_faults([label.values() for label in self._simulator.labels])
+
     def _use_preset(self, name: str) -> str:
         preset = preset_of(name)
         path = config_file(preset.pair_file)
@@ -194,7 +209,10 @@ class LocalMachine:
         values = dict(preset.values)
         friction = values.pop('friction_coefficient')
         pair = dataclasses.replace(GearPair.from_yaml(path), friction_coefficient=friction)
-        self._begin(pair, _with(self._settings, values))
+        faults: dict[str, Value] = {}
+        for kind, given in preset.faults.items():
+            faults.update(fault_values(kind, given))
+        self._begin(pair, _with(self._settings, values), FaultSettings(faults))
         return f'running {name}'
 
 

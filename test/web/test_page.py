@@ -10,6 +10,7 @@ pytest.importorskip('aiohttp')
 
 from web.browser import browser, wait_until
 
+from gear_dynamics.model.faults import KINDS  # noqa: E402
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.parameters.settings import SimSettings
 from gear_dynamics.web.hub import Hub
@@ -20,7 +21,7 @@ from gear_dynamics.web.server import PageServer
 @contextlib.contextmanager
 def served_machine():
     """Give the address of a page that shows a machine."""
-    hub = Hub('the machine starts')
+    hub = Hub('the machine starts', tuple(KINDS))
     server = PageServer(hub, '127.0.0.1', 0)
     loop = asyncio.new_event_loop()
     thread = threading.Thread(target=loop.run_forever, daemon=True)
@@ -96,6 +97,12 @@ def test_the_page_shows_the_machine_and_steers_it():
         # 34 teeth at 157.08 rad/s mesh at 850 Hz; lines are 6.25 Hz apart.
         page.use('number-speed', '157.08')
         wait_until(lambda: abs(highest_line(page, 700, 1000) - 850.0) < 6.25)
+
+        page.use('fault-kind', 'root_crack')
+        page.use('fault-wheel', 'gear')
+        page.use('fault-tooth', '17')
+        page.use('fault-severity', '0.5')
+        wait_until(lambda: 'tooth 17 severity 0.5' in page.text('diagnosis'))
 
         page.use('preset', 'chaos, no friction')
         wait_until(lambda: 'chaotic' in page.text('state'))

@@ -38,7 +38,7 @@ const diagnosis = new Diagnosis();
 const takers = {
   hello: (message) => controls.build(message),
   waiting: ({text}) => state.say(text),
-  refused: ({text}) => state.say(text),
+  refused: ({text}) => state.say(text, 6),
   state(message) {
     for (const panel of [state, controls, scope, wheels, spectrum, orders, section, waterfall, indicators, diagnosis]) {
       panel.describe(message);

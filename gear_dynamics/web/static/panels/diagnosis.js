@@ -21,7 +21,7 @@ export class Diagnosis {
         make('td', {}, label(subject)), make('td', {}, message)));
     const truth = faults.map((fault) => make('tr', {},
       make('td', {}, 'truth'), make('td', {}, label(String(fault.fault ?? ''))),
-      make('td', {}, `${fault.wheel ?? ''} ${Number.isInteger(fault.tooth) ? `tooth ${fault.tooth}` : ''} severity ${fault.severity ?? ''}`)));
+      make('td', {}, `${fault.wheel} ${fault.tooth === '' ? '' : `tooth ${fault.tooth}`} severity ${fault.severity}`)));
     this.panel.filled(rows.length + truth.length ? '' : 'no result yet');
     this.table.replaceChildren(...truth, ...rows);
   }

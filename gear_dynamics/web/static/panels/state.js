@@ -9,6 +9,7 @@ const OLD = 1.0; // s without a block after which it is said
 
 export class StateLine {
   constructor() {
+    this.until = 0;
     this.output = document.getElementById('state');
     this.alert = document.getElementById('alert');
     this.rig = document.getElementById('rig');
@@ -45,7 +46,11 @@ export class StateLine {
       ? `no data for ${short(age)} s` : '');
   }
 
-  say(text) {
+  /** Show a line; one about a command stays for a while. */
+  say(text, seconds = 0) {
+    const now = performance.now() / 1000;
+    if (!seconds && now < this.until) return;
+    this.until = now + seconds;
     this.alert.hidden = !text;
     this.alert.textContent = text;
   }

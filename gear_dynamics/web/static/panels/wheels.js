@@ -71,7 +71,7 @@ export class Wheels {
     const [r1, r2] = [(z1 * module * scale) / 2, (z2 * module * scale) / 2];
     const left = (width - 2 * (r1 + r2)) / 2;
     const [c1, c2, y] = [left + r1, left + 2 * r1 + r2, height / 2];
-    const faulty = (wheel) => (this.state?.faults ?? []).find((each) => each.wheel === wheel);
+    const faulty = (wheel) => (this.state?.faults ?? []).find((each) => each.wheel === wheel && each.tooth !== '');
     this.wheel(context, c1, y, r1, z1, module * scale, this.angle, faulty('pinion'), lineColour(0));
     // A tooth of one meets a gap of the other on the line of centres; the pair counter-rotates.
     const turned = Math.PI + Math.PI / z2 - (this.angle * z1) / z2;
@@ -98,8 +98,8 @@ export class Wheels {
     context.moveTo(x + 0.22 * radius * Math.cos(angle), y + 0.22 * radius * Math.sin(angle));
     context.lineTo(x + 0.5 * radius * Math.cos(angle), y + 0.5 * radius * Math.sin(angle));
     context.stroke();
-    if (fault && Number.isInteger(fault.tooth)) {
-      const middle = angle + fault.tooth * pitch;
+    if (fault) {
+      const middle = angle + Number(fault.tooth) * pitch;
       context.fillStyle = themeColour('error');
       context.beginPath();
       context.arc(x + radius * Math.cos(middle), y + radius * Math.sin(middle), 0.9 * module + 2, 0, 2 * Math.PI);
