@@ -10,7 +10,7 @@ pytest.importorskip('aiohttp')
 
 from web.browser import browser, wait_until
 
-from gear_dynamics.model.faults import KINDS  # noqa: E402
+from gear_dynamics.model.faults import KINDS
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.parameters.settings import SimSettings
 from gear_dynamics.web.hub import Hub
