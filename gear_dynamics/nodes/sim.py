@@ -6,6 +6,7 @@ import contextlib
 import functools
 import sys
 import time
+import warnings
 from collections.abc import Iterator, Sequence
 
 from rclpy.clock import Clock, ClockType
@@ -54,6 +55,8 @@ class Sim:
 
     def __init__(self, node: Node, parameters: NodeParameters) -> None:
         self._node = node
+        # Such as an operating point outside the range of the friction model.
+        warnings.showwarning = lambda message, *_: node.get_logger().warning(str(message))
         self._parameters = parameters
         pair, settings = parameters.get(GearPair), parameters.get(SimSettings)
         self._block_size = settings.block_size
