@@ -50,7 +50,7 @@ def main(argv: list[str] | None = None) -> int:
         print(_unknown(name), file=sys.stderr)
         return 2
     module = EXECUTABLES[name][0]
-    if module.startswith('gear_dynamics.nodes.'):
+    if module.startswith(('gear_dynamics.nodes.', 'gear_dynamics.web.')):
         exit_at_signal()  # until the node takes signals itself
     try:
         executable = importlib.import_module(module)

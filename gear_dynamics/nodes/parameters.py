@@ -38,6 +38,8 @@ class NodeParameters:
     node : rclpy.node.Node
     lists : sequence of ParameterSet classes
         What the node takes.
+    repeated : mapping, optional
+        Last values of those that were given more than once; see `repeated_parameters`.
 
     Raises
     ------
@@ -45,7 +47,12 @@ class NodeParameters:
         If the user gave an unknown name or a value that is not allowed.
     """
 
-    def __init__(self, node: Node, lists: Sequence[type[ParameterSet]]) -> None:
+    def __init__(
+        self,
+        node: Node,
+        lists: Sequence[type[ParameterSet]],
+        repeated: Mapping[str, Any] | None = None,
+    ) -> None:
         self._node = node
         self._lists = tuple(lists)
         self._about = {about.name: about for each in lists for about in each.parameters()}
@@ -54,6 +61,7 @@ class NodeParameters:
         self._mirroring = False
         names = node.list_parameters([], ListParameters.Request.DEPTH_RECURSIVE).names
         given = {name: node.get_parameter(name).value for name in names}
+        given.update({name: v for name, v in (repeated or {}).items() if name in given})
         refuse_unknown([name for name in given if name not in self._about])
         _check_ros_parameters(given)
         self._sets = self._make(given)

@@ -21,6 +21,7 @@ from rclpy.utilities import remove_ros_args
 from gear_dynamics.compiling import Interrupted
 from gear_dynamics.nodes.exit_codes import USAGE_ERROR
 from gear_dynamics.nodes.middleware import use_profile
+from gear_dynamics.nodes.overrides import repeated_parameters
 from gear_dynamics.nodes.parameters import NodeParameters, help_text
 from gear_dynamics.parameters.files import check_parameter_file, check_section
 from gear_dynamics.parameters.parameter import ParameterError, ParameterSet
@@ -83,15 +84,14 @@ def run_node(
         return 0
     stop = StopFlag()
     try:
-        files = _parameter_files(arguments)
-        for path in files:
+        for path in _parameter_files(arguments):
             # rclpy ignores unknown keys, and says less about a malformed file.
             check_parameter_file(path)
         _start_ros(name, arguments)
     except (ParameterError, OSError) as error:
         return _fail(name, error, USAGE_ERROR)
     try:
-        return _run(name, lists, make, files, stop)
+        return _run(name, lists, make, arguments, stop)
     finally:
         rclpy.try_shutdown()
 
@@ -158,7 +158,7 @@ def _run(
     name: str,
     lists: Sequence[type[ParameterSet]],
     make: Callable[[Node, NodeParameters], Part],
-    files: Sequence[Path],
+    arguments: Sequence[str],
     stop: StopFlag,
 ) -> int:
     try:
@@ -166,11 +166,13 @@ def _run(
     except (ParameterException, ValueError, TypeError) as error:
         return _fail(name, error, USAGE_ERROR)
     try:
-        for path in files:
-            check_section(path, node.get_fully_qualified_name(), name)
+        full_name = node.get_fully_qualified_name()
+        for path in _parameter_files(arguments):
+            check_section(path, full_name, name)
+        repeated = repeated_parameters(arguments, full_name, node.get_name())
         if stop:
             return 0
-        part = make(node, NodeParameters(node, lists))
+        part = make(node, NodeParameters(node, lists, repeated))
     except ParameterError as error:
         return _fail(name, error, USAGE_ERROR)
     except NodeError as error:

@@ -77,10 +77,21 @@ def read_parameters(path: str | Path, node: str = '/gear_sim') -> dict[str, Any]
     """
     sections = list(_sections(path, _load(path)))
     _refuse_unknown(path, sections)
-    applying = [values for name, values in sections if _applies(name, node)]
-    if not applying:
+    if not any(_applies(name, node) for name, _ in sections):
         names = ', '.join(name for name, _ in sections)
         raise ParameterError(f'{path}: no section is for {node}; there are {names}')
+    return read_section(path, node)
+
+
+def read_section(path: str | Path, node: str) -> dict[str, Any]:
+    """Return the parameters that a file has for a node, none if it has no section for it.
+
+    Raises
+    ------
+    ParameterError
+        If the file cannot be read or is malformed.
+    """
+    applying = [values for name, values in _sections(path, _load(path)) if _applies(name, node)]
     return {name: value for values in applying for name, value in values.items()}
 
 
