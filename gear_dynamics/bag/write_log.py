@@ -21,6 +21,7 @@ from gear_dynamics.simulation.configuration import configuration_text
 from gear_dynamics.simulation.run import Run
 from gear_dynamics.versions import versions
 from gear_dynamics.wire import topics
+from gear_dynamics.wire.labels import label_bytes
 from gear_dynamics.wire.messages import message_class, serialize
 from gear_dynamics.wire.tables import columns_as_float32, encode_table
 
@@ -34,7 +35,7 @@ LATEST = 1 << 31
 def write_log(
     run: Run, folder: str | os.PathLike[str], start: float | None = None, compression: str = 'zstd'
 ) -> Path:
-    """Write a run as the analyzer would log its stream: configuration, samples and events.
+    """Write a run as the analyzer would log its stream: configuration, labels, samples and events.
 
     `gd.read_log`, `replay`, `gear-dynamics log` and every reader of ROS 2 bags take it.
 
@@ -93,6 +94,8 @@ def _write_blocks(bag: BagWriter, run: Run, settings: SimSettings, origin: int) 
     samples_topic, events_topic = _logged(topics.SAMPLES), _logged(topics.EVENTS_TOPIC)
     begins = np.arange(0, len(run), settings.block_size)
     # Events belong to the block that they are in; the first and the last take what is beside.
+    labels = [label.values() for label in run.labels]
+    told = -1
     bounds = np.searchsorted(run.events['t'], run.samples['t'][begins[1:]]).tolist()
     for begin, first, last in zip(
         begins.tolist(), [0, *bounds], [*bounds, len(run.events)], strict=True
@@ -103,6 +106,11 @@ def _write_blocks(bag: BagWriter, run: Run, settings: SimSettings, origin: int) 
         rows = columns_as_float32(samples, samples['t'][0])
         stamp = origin + round(begin / settings.sample_rate * SECOND)
         arrival = origin + round((begin + len(samples)) / settings.sample_rate * SECOND)
+        second = int(begin / settings.sample_rate)
+        if second > told:
+            told = second
+            message = label_bytes(labels, stamp, topics.LABEL.name.rsplit('/', 1)[0])
+            bag.write(_logged(topics.LABEL), message, stamp, stamp)
         for topic, table in ((samples_topic, rows), (events_topic, events)):
             bag.write(topic, encode_table(table, stamp, topics.FRAME), arrival, stamp)
 

@@ -10,6 +10,7 @@ from gear_dynamics.bag.channel import LogError
 from gear_dynamics.bag.info import log_info
 from gear_dynamics.bag.log import Log
 from gear_dynamics.bag.report import find_rig
+from gear_dynamics.wire.messages import deserialize
 
 
 @pytest.fixture(scope='module')
@@ -39,6 +40,7 @@ def test_the_log_is_sound_and_tells_of_the_rig(run, tmp_path):
     assert {topic.name: topic.messages for topic in info.topics} == {
         '/gear_pair/configuration': 1,
         '/gear_pair/events': 3,
+        '/gear_pair/label': 1,
         '/gear_pair/samples': 3,
     }
     assert all(topic.gaps == () for topic in info.topics)
@@ -48,9 +50,25 @@ def test_the_log_is_sound_and_tells_of_the_rig(run, tmp_path):
     assert first.channel.topic == '/gear_pair/configuration'
     assert (rig.pinion_teeth, rig.sample_rate, rig.block_size) == (34, 51200.0, 512)
     with Reader(folder) as reader:
-        assert reader.message_count == 7
+        assert reader.message_count == 8
     text = info.configurations[0]['configuration']
     assert yaml.safe_load(text)['parameters']['speed'] == 300.0
+
+
+def test_labels_of_the_faults_are_there_once_a_second(tmp_path):
+    faults = [gd.faults.RootCrack('gear', tooth=7, severity=0.4), gd.faults.Wear(severity=0.1)]
+    run = gd.simulate(gd.GearPair(), 2.1, sample_rate=2560.0, faults=faults, anti_alias=False)
+    folder = gd.write_log(run, tmp_path / 'log', start=1.7e9)
+    with Log(folder) as log:
+        found = [m for _, m in log.messages() if m.channel.topic == '/gear_pair/label']
+    assert len(found) == 3
+    label = deserialize(found[0].data, 'diagnostic_msgs/msg/DiagnosticArray')
+    assert [status.name for status in label.status] == [
+        'gear_pair: root_crack',
+        'gear_pair: wear',
+    ]
+    values = {each.key: each.value for each in label.status[0].values}
+    assert values == run.labels[0].values()
 
 
 def test_the_same_run_gives_the_same_bytes(run, tmp_path):
