@@ -7,9 +7,10 @@ with dwell times of 10 to 40 s between commands, lost blocks, pauses and resets,
 every channel (a fraction of its RMS, block by block). Printed are the alarms, the faults named, the
 share of the truly steady time that was judged, and the bound on the rate of false alarms.
 
-A fault is that of one tooth, as a change of its stiffness along its contact:
+A fault is one of gd.faults:
 
-    --fault pinion:17:0.2       tooth 17 of the pinion is 20 % softer
+    --fault RootCrack:pinion:17:0.33        a crack at tooth 17 of the pinion
+    --fault Eccentricity:gear::0.1          the gear, whole
 """
 
 from __future__ import annotations
@@ -24,6 +25,8 @@ import numpy as np
 
 from gear_dynamics.machine.columns import CHANNELS
 from gear_dynamics.machine.configuration import Rig
+from gear_dynamics.model import faults
+from gear_dynamics.model.faults import Fault
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.monitoring.monitor import Monitor
 from gear_dynamics.monitoring.results import ConditionResult
@@ -76,19 +79,16 @@ def walk(
         stamp, start = stamp + round(SECONDS * 1e9), start + SECONDS
 
 
-def faulty(text: str) -> dict[str, np.ndarray]:
-    """Return the arguments of a Simulator whose tooth WHEEL:TOOTH is softer by a fraction."""
+def faulty(text: str) -> list[Fault]:
+    """Return the fault KIND:WHEEL:TOOTH:SEVERITY; the tooth is empty where there is none."""
     if not text:
-        return {}
-    from gear_dynamics.model.mesh.intervals import PROFILES
-
-    wheel, tooth, softer = text.split(':')
-    profile = np.zeros(1, PROFILES)
-    profile['pinion_tooth'] = profile['gear_tooth'] = -1
-    profile[f'{wheel}_tooth'] = int(tooth)
-    profile['end'] = 1.0
-    profile['stiffness'][:, 0] = -float(softer)
-    return {'profiles': profile}
+        return []
+    kind, wheel, tooth, severity = text.split(':')
+    values: dict[str, object] = {'severity': float(severity)}
+    if tooth:
+        values['tooth'] = int(tooth)
+    fault: Fault = getattr(faults, kind)(wheel, **values)
+    return [fault]
 
 
 def main() -> None:
@@ -96,10 +96,10 @@ def main() -> None:
     parser.add_argument('--minutes', type=float, default=60.0)
     parser.add_argument('--seed', type=int, default=1)
     parser.add_argument('--noise', type=float, default=0.01)
-    parser.add_argument('--fault', default='', help='WHEEL:TOOTH:SOFTER, none by default')
+    parser.add_argument('--fault', default='', help='KIND:WHEEL:TOOTH:SEVERITY')
     options = parser.parse_args()
     rng = np.random.default_rng(options.seed)
-    simulator = Simulator(GearPair(), sample_rate=RATE, **faulty(options.fault))
+    simulator = Simulator(GearPair(), sample_rate=RATE, faults=faulty(options.fault))
     thresholds = Thresholds.from_yaml(ROOT / 'config' / 'thresholds.yaml')
     monitor = Monitor(AnalyzerSettings(), thresholds)
     monitor.configure(Rig.from_text(configuration_text(GearPair(), SimSettings())))

@@ -7,7 +7,13 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from gear_dynamics.monitoring.diagnosis import LOCAL_FAULT, TEETH_ALIKE, local_fault
+from gear_dynamics.monitoring.diagnosis import (
+    LOCAL_FAULT,
+    ONCE_A_REVOLUTION,
+    TEETH_ALIKE,
+    local_fault,
+    once_per_revolution,
+)
 from gear_dynamics.monitoring.task import OWN, Bin, Finding, Indicator, Row
 from gear_dynamics.signal import indicators
 from gear_dynamics.signal.interpolation import ACCURATE_BAND
@@ -159,9 +165,17 @@ class WheelAverage:
 
     def _fault(self, parts: Parts, there: np.ndarray, notes: dict[str, str]) -> Row:
         fault = local_fault(parts, self._teeth, there)
-        values = {'local_fault': fault.sure, 'tooth': float(fault.tooth)}
+        once = once_per_revolution(parts, self._teeth)
+        values = {
+            'local_fault': fault.sure,
+            'tooth': float(fault.tooth),
+            'once_per_revolution': once,
+        }
         if fault.sure < LOCAL_FAULT:
-            return Row(self._wheel, values, notes, TEETH_ALIKE)
+            if once < ONCE_A_REVOLUTION:
+                return Row(self._wheel, values, notes, TEETH_ALIKE)
+            found = f'{self._wheel}, once a revolution: eccentricity, unbalance or a bent shaft'
+            return Row(self._wheel, values, notes, found, fault=found)
         found = f'{self._wheel}, tooth {fault.tooth}: local fault'
         return Row(self._wheel, values, notes, f'{found}, {fault.sure:.1f}', fault=found)
 

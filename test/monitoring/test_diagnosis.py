@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from gear_dynamics.monitoring.diagnosis import local_fault
+from gear_dynamics.monitoring.diagnosis import local_fault, once_per_revolution
 from gear_dynamics.signal.indicators import has_difference
 from gear_dynamics.signal.synchronous import separate
 
@@ -50,3 +50,24 @@ def test_the_remainder_of_a_slow_change_is_too_small():
     # A linear growth over the record leaves a saw tooth of 1e-3 in the average.
     growth = 1e-3 * (TURN / (2 * np.pi) - 0.5) * np.cos(TEETH * TURN)
     assert diagnosed(0.0, extra=growth).sure == 0
+
+
+def stands_above(order_1, noise=0.01, seed=1):
+    rng = np.random.default_rng(seed)
+    average = (
+        np.cos(TEETH * TURN) + order_1 * np.cos(TURN + 0.3) + noise * rng.normal(size=len(TURN))
+    )
+    return once_per_revolution(separate(average[:, np.newaxis], TEETH), TEETH)
+
+
+def test_order_1_is_compared_with_its_surroundings():
+    # White noise of standard deviation s has lines of median s sqrt(4 ln 2 / n).
+    around = 0.01 * np.sqrt(4 * np.log(2) / len(TURN))
+    assert stands_above(0.2) == pytest.approx(0.2 / around, rel=0.3)
+    assert stands_above(0.001) == 0  # less than 2 % of the standard deviation
+    assert stands_above(0.2, noise=0.0) == 1000
+    assert stands_above(0.0, noise=0.0) == 0
+
+
+def test_noise_alone_does_not_stand_out():
+    assert max(stands_above(0.0, noise=3.0, seed=seed) for seed in range(50)) < 10
