@@ -49,9 +49,10 @@ fuzz: $(VENV)/test
 # A random sample of defects, put into the code one at a time: do the tests notice?
 COUNT ?= 200
 MINUTES ?= 0
+ROOMS ?= model,integrator,dynamics,signal,monitoring,study
 
 mutants: $(VENV)/test
-	@$(VENV)/bin/python tools/mutants.py --count $(COUNT) --minutes $(MINUTES)
+	@$(VENV)/bin/python tools/mutants.py --count $(COUNT) --minutes $(MINUTES) --rooms $(ROOMS)
 
 # Hours of streaming, logging and replay, with kills, stops and a disk that fills.
 HOURS ?= 2

@@ -224,7 +224,6 @@ def main() -> int:
     parser.add_argument('--minutes', type=float, default=0.0, help='stop after; default: never')
     parser.add_argument('--rooms', default=','.join(TESTS), help='rooms to mutate')
     options = parser.parse_args()
-    end = time.monotonic() + (options.minutes * 60 or 1e9)
     rooms = options.rooms.split(',')
     chosen = random.Random(options.seed)
     with tempfile.TemporaryDirectory() as folder:
@@ -239,6 +238,7 @@ def main() -> int:
         ]
         sample = chosen.sample(every, min(options.count, len(every)))
         tried = noticed = 0
+        end = time.monotonic() + (options.minutes * 60 or 1e9)
         for room, mutant in sample:
             if time.monotonic() > end:
                 break

@@ -33,8 +33,8 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
 DOMAIN, REPLAY_DOMAIN = '231', '230'
-LOST = 1.5
-"""What the log of a killed analyzer may lose [s]: a second, and what was under way."""
+LOST = 2.0
+"""What the log of a killed analyzer may lose [s]: a second, and what was under way to it."""
 RATE, BLOCK = 51200.0, 512
 PAUSES = {'kill listener': 20.0, 'stop listener': 30.0, 'kill analyzer': 60.0, 'fill disk': 90.0}
 """Mean time between two events of a kind [s]."""
@@ -189,6 +189,8 @@ class Soak:
         player.close()
 
     def _fill_disk(self) -> None:
+        if not set(self.logs.glob('gear_log_*')) - self._old_logs:
+            return  # the analyzer is still starting, and would refuse to
         filler = self.logs / 'filler'
         with contextlib.suppress(OSError), filler.open('wb') as stream:
             while True:
