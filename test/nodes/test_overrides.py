@@ -2,11 +2,12 @@
 
 import pytest
 
-pytest.importorskip('rclpy')
+rclpy = pytest.importorskip('rclpy')
 
-import ros_support
-
-from gear_dynamics.nodes.overrides import repeated_parameters
+from gear_dynamics.model.gear_pair import GearPair  # noqa: E402
+from gear_dynamics.nodes.overrides import repeated_parameters  # noqa: E402
+from gear_dynamics.nodes.parameters import NodeParameters  # noqa: E402
+from gear_dynamics.parameters.settings import SimSettings  # noqa: E402
 
 
 @pytest.fixture
@@ -25,10 +26,8 @@ def file(tmp_path):
         (['-p', 'speed:=130.5'], {'speed': 130.5}),
         (['-p', 'gear_sim:speed:=130.5', '-p', 'other:load_torque:=1.0'], {'speed': 130.5}),
         (['-p', 'friction_coefficient:=0.1'], {}),
-        (
-            ['-p', 'half_backlash:=2e-4'],
-            {'half_backlash': '2e-4'},
-        ),  # a text that the parameter list reads
+        # A text that the parameter list reads as a number.
+        (['-p', 'half_backlash:=2e-4'], {'half_backlash': '2e-4'}),
         (['-r', 'speed:=x'], {}),
     ],
 )
@@ -37,13 +36,22 @@ def test_last_value_of_what_is_given_twice(file, arguments, expected):
     assert repeated_parameters(words, '/a/gear_sim', 'gear_sim') == expected
 
 
-def test_a_number_with_a_point_replaces_an_integer_of_a_file(domain, client, file):
-    from rcl_interfaces.srv import GetParameters
-
-    arguments = ['--params-file', file, '-p', 'speed:=130.5']
-    with ros_support.Process('gear_dynamics.nodes.sim', domain, arguments=arguments) as sim:
-        sim.wait_for('streaming', 120)
-        request = GetParameters.Request(names=['speed', 'load_torque'])
-        values = client.call(GetParameters, 'gear_sim/get_parameters', request).values
-        assert [each.double_value for each in values] == [130.5, 10.0]
-        assert sim.stop() == 0
+def test_a_number_with_a_point_replaces_an_integer_of_a_file(domain, file):
+    arguments = ['--ros-args', '--params-file', file, '-p', 'speed:=130.5']
+    context = rclpy.Context()
+    rclpy.init(args=[], context=context, domain_id=domain)
+    node = rclpy.create_node(
+        'gear_sim',
+        context=context,
+        cli_args=arguments,
+        automatically_declare_parameters_from_overrides=True,
+    )
+    try:
+        repeated = repeated_parameters(arguments, '/gear_sim', 'gear_sim')
+        parameters = NodeParameters(node, (GearPair, SimSettings), repeated)
+        settings = parameters.get(SimSettings)
+        assert (settings.speed, settings.load_torque) == (130.5, 10.0)
+        assert node.get_parameter('speed').value == 130.5
+    finally:
+        node.destroy_node()
+        context.try_shutdown()
