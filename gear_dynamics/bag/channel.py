@@ -51,7 +51,7 @@ class LogChannel:
     schema : bytes
         Definition of the type.
     metadata : tuple of (str, str)
-        What else the file says of the channel.
+        Further metadata of the channel.
     """
 
     topic: str

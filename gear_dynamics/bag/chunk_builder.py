@@ -18,8 +18,10 @@ COMPRESSIONS: dict[str, Callable[[bytes], bytes]] = {
     'lz4': lz4.frame.compress,
     'zstd': zstandard.ZstdCompressor(level=1).compress,
 }
-"""Names of compressions and what does them. On vibration in float32, level 1 of zstd leaves
-fewer bytes than its default, level 3, and is faster."""
+"""Compressions by name, and the functions that compress.
+
+On vibration in float32, level 1 of zstd leaves fewer bytes than its default, level 3, and is
+faster."""
 
 _MESSAGE = struct.Struct('<BQHIQQ')
 _CHUNK = struct.Struct('<BQQQQI')

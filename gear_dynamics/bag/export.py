@@ -40,13 +40,13 @@ def export(
     path : path, or sequence of paths
         Bag folders and MCAP files.
     folder : Path
-        Made if missing; files in it are replaced.
+        Created if missing; files in it are replaced.
     topics : sequence of str, optional
         All by default.
     file_format : str
         'npz' or 'csv'.
     progress : callable
-        Told of each topic before it is written.
+        Called with each topic before it is written.
 
     Returns
     -------

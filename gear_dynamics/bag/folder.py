@@ -17,16 +17,16 @@ FOLDER_NAME = 'gear_log'
 
 
 class LogStopped(Exception):
-    """Logging cannot go on for now; the message says why."""
+    """Logging has to pause; the message says why."""
 
 
 class LogDeleted(LogStopped):
-    """The file is no longer there, and all that was in it."""
+    """The file was deleted with all its messages."""
 
 
 @dataclasses.dataclass(frozen=True)
 class Limits:
-    """How large the log may become.
+    """Limits on the size of a log.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ class BagFolder:
     directory : Path
         Where the folder goes; made if missing.
     configuration : mapping
-        What every file says of the run.
+        Configuration of the run; every file holds it.
     compression : str
         'none', 'lz4' or 'zstd'.
     limits : Limits
@@ -122,7 +122,7 @@ class BagFolder:
         return file.syncing if file else 0.0
 
     def open(self) -> None:
-        """Begin a new file, and the folder where there is none.
+        """Begin a new file; create the folder if it does not exist.
 
         Raises
         ------
@@ -167,7 +167,7 @@ class BagFolder:
                 return path
 
     def write(self, topic: Topic, data: bytes, log_time: int, publish_time: int) -> None:
-        """Write a message; begin a new file and remove old ones as the limits ask.
+        """Write a message; begin a new file and remove old ones as the limits demand.
 
         Raises
         ------
@@ -195,13 +195,13 @@ class BagFolder:
                 self.repeated += 1
 
     def configure(self, configuration: Mapping[str, str], log_time: int) -> None:
-        """Note a change of the configuration."""
+        """Record a change of the configuration."""
         self._configuration = dict(configuration)
         if self._file:
             self._file.write_configuration(self._configuration, log_time)
 
     def sync(self) -> None:
-        """Bring everything to the disk; raises what `write` raises."""
+        """Write all messages to the file and sync it; raises what `write` raises."""
         file = self._current()
         file.sync()
         self._check(file)

@@ -25,7 +25,7 @@ _TAIL_SIZE = _FOOTER.size + len(MCAP0_MAGIC)
 
 @dataclasses.dataclass(frozen=True)
 class Index:
-    """What the summary section of a file says.
+    """Content of the summary section of a file.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ def read_index(file: int, size: int, tell: Callable[[int, str], None]) -> Index 
     file, size : int
         Descriptor, and bytes of the file.
     tell : callable
-        Told of the byte and the reason where an index is damaged.
+        Called with the byte and the reason where an index is damaged.
     """
     tail = pread(file, _TAIL_SIZE, max(size - _TAIL_SIZE, 0))
     if len(tail) != _TAIL_SIZE or tail[_FOOTER.size :] != MCAP0_MAGIC:

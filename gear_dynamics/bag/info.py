@@ -1,4 +1,4 @@
-"""What a log holds: topics, counts, rates, gaps, times, configuration, whole or cut."""
+"""Summary of a log: topics, counts, rates, gaps, times, configuration, damage."""
 
 from __future__ import annotations
 
@@ -61,13 +61,13 @@ class LogInfo:
     whole : bool
         Whether every file has its end and nothing was found that could have cost messages.
     checked : bool
-        Whether all messages were looked at; otherwise the indexes were believed.
+        Whether all messages were read; otherwise the numbers are those of the indexes.
     start, end : int
         Log time of the first and of the last message [ns]; 0 if there is none.
     topics : tuple of TopicInfo
         By name.
     configurations : tuple of dict
-        What the writer noted of the run, with `log_time` [ns]; a further one for each change.
+        Configurations of the run, one for each change, with `log_time` [ns].
     damage : tuple of Damage
         What was found.
     """
@@ -94,7 +94,7 @@ class LogInfo:
 
 
 def log_info(path: LogPath, check: bool = True) -> LogInfo:
-    """Tell what a log holds.
+    """Return a summary of a log.
 
     Parameters
     ----------
@@ -149,12 +149,12 @@ def _rate(count: ChannelCount) -> float | None:
 
 
 def _compare(log: Log) -> None:
-    """Report files whose index tells of other messages than there are."""
+    """Report files whose index gives another number of messages than can be read."""
     for source in log.sources:
         about = source.index.statistics if source.index is not None else None
         found = sum(count.messages for count in source.contents().values())
         if source.index is not None and about is not None and about.message_count != found:
-            reason = f'the index tells of {about.message_count} messages, {found} can be read'
+            reason = f'the index lists {about.message_count} messages, {found} can be read'
             log.damaged(Damage(source.path, source.index.start, reason))
 
 
@@ -169,7 +169,7 @@ def _changes(configurations: list[dict[str, str]]) -> Iterator[dict[str, str]]:
 
 
 def _sample_rates(configurations: list[dict[str, str]]) -> set[float]:
-    """Return the sample rates of the rigs that the log tells of [Hz]."""
+    """Return the sample rates [Hz] of the rigs that the log describes."""
     rates = set()
     for text in {text for configuration in configurations for text in configuration.values()}:
         with contextlib.suppress(ValueError):
@@ -180,7 +180,7 @@ def _sample_rates(configurations: list[dict[str, str]]) -> set[float]:
 def _gaps(
     log: Log, channel: LogChannel, count: int, start: int, rates: set[float]
 ) -> tuple[Gap, ...]:
-    """Return the gaps of a stream of samples; read through only if its ends do not fit."""
+    """Return the gaps of a stream of samples; all of it is read only if its ends do not fit."""
     if not is_samples(channel.topic) or count < 2:
         return ()
     first = _table(next(log.messages([channel.topic]), None))

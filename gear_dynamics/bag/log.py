@@ -67,7 +67,7 @@ class Log:
             raise
 
     def damaged(self, damage: Damage) -> None:
-        """Tell of a damaged place, once however often it is met."""
+        """Report a damaged place once, however often it is met."""
         if damage not in self._told:
             self._told[damage] = None
             self._on_damage(damage)
@@ -89,7 +89,7 @@ class Log:
 
     @property
     def indexed(self) -> bool:
-        """Whether the indexes of all files tell of all topics and numbers of messages."""
+        """Whether the indexes of all files list all topics and numbers of messages."""
         return all(s.index is not None and s.index.complete for s in self.sources)
 
     def messages(
@@ -141,13 +141,13 @@ class Log:
         return found
 
     def topic(self, name: str) -> LogChannel:
-        """Return what the log says of a topic, by the name that it has there."""
+        """Return the channel of a topic, by the name that it has in the log."""
         self.topics()
         channels = (c for source in self.sources for c in source.channels.values())
         return next(channel for channel in channels if channel.topic == name)
 
     def topics(self) -> dict[str, str]:
-        """Return the types of all topics by name; without an index the whole log is read."""
+        """Return the types of all topics by name; without an index, the complete log is read."""
         if self._topics is None:
             for source in self.sources:
                 if source.index is None or not source.index.complete:

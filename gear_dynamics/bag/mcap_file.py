@@ -1,4 +1,4 @@
-"""One MCAP file as rosbag2 writes it, that is always whole up to its last chunk."""
+"""Write one MCAP file as rosbag2 does, complete up to its last chunk at any time."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ class McapFile:
             self._commit()
 
     def _register(self, topic: Topic) -> None:
-        """Tell of the topic, and of its type if that is new, in the chunk that has its messages."""
+        """Add the channel, and its schema if that is new, to the chunk that holds its messages."""
         key = (topic.type_name, topic.schema_encoding, topic.schema)
         schema = self._index.schemas.get(key)
         if schema is None and any(key):
@@ -137,10 +137,10 @@ class McapFile:
         self._index.metadata.append(place)
 
     def sync(self) -> None:
-        """Close the chunk in progress, and have everything brought to the disk meanwhile.
+        """Close the chunk in progress, and sync the file to the disk in the background.
 
-        A disk that is slow to sync holds nothing up: what the system was handed outlives the end
-        of this process.
+        A disk that is slow to sync delays nothing: what was written outlives the end of this
+        process.
         """
         self._commit()
         if self._syncing is not None:
@@ -160,13 +160,13 @@ class McapFile:
         return time.monotonic() - self._sync_start if running else 0.0
 
     def _end_sync(self) -> None:
-        """Wait for the sync in the background, and raise its error, but once."""
+        """Wait for the sync in the background, and raise its error once."""
         syncing, self._syncing = self._syncing, None
         if syncing is not None:
             syncing.result()
 
     def finish(self) -> FileSummary:
-        """Write index and footer, close, and return what metadata.yaml says of the file."""
+        """Write index and footer, close, and return the entry of metadata.yaml."""
         self._end_sync()
         self._commit()
         information = bag_information([self._summary()])
@@ -179,7 +179,7 @@ class McapFile:
         return self._summary()
 
     def abandon(self) -> None:
-        """Close the file as it is, whole up to the last chunk; without an index if unfinished."""
+        """Close the file as it is, complete up to the last chunk; without `finish`, it has no index."""
         if self._file >= 0:
             self._syncer.shutdown()
             os.close(self._file)
@@ -207,7 +207,7 @@ class McapFile:
         self._index.add_chunk(index, counts)
 
     def _write(self, *parts: bytes) -> None:
-        """Write all of it or nothing."""
+        """Write all parts, or none of them if the disk refuses."""
         size = sum(map(len, parts))
         try:
             written = writev(self._file, parts)

@@ -22,7 +22,7 @@ from mcap.writer import MCAP0_MAGIC
 
 
 class McapIndex:
-    """Collects what the summary section says, and builds it.
+    """Collects the content of the summary section, and builds it.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class McapIndex:
         self._chunks: list[ChunkIndex] = []
 
     def add_chunk(self, chunk: ChunkIndex, counts: dict[int, int]) -> None:
-        """Take a chunk that is in the file, and its number of messages by channel."""
+        """Add a chunk that was written, and its number of messages by channel."""
         for channel, count in counts.items():
             self.counts[channel] = self.counts.get(channel, 0) + count
         start = chunk.message_start_time

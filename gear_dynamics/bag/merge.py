@@ -29,7 +29,7 @@ def in_time_order(
     read : callable
         Returns the messages of a segment.
     on_disorder : callable
-        Told of a segment that would exceed `MOST_HELD`: its messages come late.
+        Called with a segment that would exceed `MOST_HELD`: its messages come late.
     """
     numbered = list(enumerate(segments))
     waiting = sorted(numbered, key=lambda item: item[1].start, reverse=True)

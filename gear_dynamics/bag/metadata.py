@@ -1,4 +1,4 @@
-"""What rosbag2 wants to know of a bag: offered QoS profiles and metadata.yaml."""
+"""What rosbag2 needs beside the messages of a bag: offered QoS profiles and metadata.yaml."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class OfferedQos(Qos):
     """The quality of service with which a topic was published, as rosbag2 writes it."""
 
     def profile(self) -> dict[str, Any]:
-        """Return the nine keys that rosbag2 asks for, policies as words."""
+        """Return the nine keys that rosbag2 needs, policies as words."""
         return {
             'history': self.history,
             'depth': self.depth,
@@ -45,7 +45,7 @@ class OfferedQos(Qos):
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Topic:
-    """A logged topic: what a channel of an MCAP file and metadata.yaml say of it.
+    """A logged topic, as it stands in a channel of an MCAP file and in metadata.yaml.
 
     One object a topic: it is the key under which messages are counted, by identity for speed.
 
@@ -93,7 +93,7 @@ def published_topic(name: str, type_name: str, qos: OfferedQos) -> Topic:
 
 @dataclasses.dataclass(frozen=True)
 class FileSummary:
-    """What metadata.yaml says of one finished file.
+    """One finished file, as metadata.yaml lists it.
 
     Attributes
     ----------
@@ -167,7 +167,7 @@ def _topic_metadata(topic: Topic) -> dict[str, Any]:
 
 
 def write_metadata(folder: Path, files: Iterable[FileSummary]) -> None:
-    """Write metadata.yaml of a bag folder, so that a crash leaves the old one or the new one."""
+    """Replace metadata.yaml of a bag folder atomically: a crash leaves the old or the new file."""
     content = {'rosbag2_bagfile_information': bag_information(files)}
     temporary = folder / (METADATA_FILE + '.tmp')
     with temporary.open('w', encoding='utf-8') as stream:

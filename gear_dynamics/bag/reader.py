@@ -54,7 +54,7 @@ class LogMessage:
 
     @property
     def place(self) -> str:
-        """Where the message is, in words."""
+        """Place of the message, for error messages."""
         return (
             f'{self.path.name}, byte {self.offset}, topic {printable(self.channel.topic)}, '
             f'log time {self.log_time} ns'
@@ -79,7 +79,7 @@ def read_messages(
     start, end : int, optional
         Only log times from `start` on and before `end` [ns].
     on_damage : callable
-        Told of every place that is skipped; a `LogWarning` by default.
+        Called with every place that is skipped; issues a `LogWarning` by default.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What a report shows of a log, gathered in one pass over the samples and in bounded memory."""
+"""Collect the content of a report in one pass over the samples and in bounded memory."""
 
 from __future__ import annotations
 
@@ -140,7 +140,7 @@ def _count_samples(log: Log) -> int:
 
 
 def find_rig(log: Log) -> Rig | None:
-    """Return the rig that the log tells of, None if it tells of none."""
+    """Return the rig that the log describes, None if it describes none."""
     for text in _configuration_texts(log):
         with contextlib.suppress(ValueError):
             return Rig.from_text(text)

@@ -56,7 +56,7 @@ class Segment:
     size : int
         Bytes in memory.
     index : ChunkIndex or None
-        What the index says of the chunk.
+        Entry of the chunk in the index.
     is_chunk : bool
     """
 
@@ -80,7 +80,7 @@ class McapSource:
     path : Path
         The file.
     on_damage : callable
-        Told of every place that cannot be read; reading goes on behind it.
+        Called with every place that cannot be read; reading continues behind it.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ class McapSource:
     complete : bool
         Whether the file has an end, as it is written when a log is closed.
     foreign : str
-        What the file is if it is no MCAP file; empty otherwise.
+        Description of a file that is no MCAP file; empty otherwise.
     profile : str or None
         Of the file, as 'ros2'; None where its header is lost.
 
@@ -205,7 +205,7 @@ class McapSource:
     ) -> Iterator[Segment]:
         """Iterate over the segments that can hold messages of topics between log times [ns]."""
         if self.index is None or not self.index.complete:
-            self.contents()  # the heads of chunks may lie, and channels be told of elsewhere
+            self.contents()  # heads of chunks may be wrong, channels defined elsewhere
         for segment in self.segments:
             if start is not None and segment.end < start:
                 continue
@@ -276,7 +276,7 @@ class McapSource:
             self._damaged(segment.offset, reason)
 
     def contents(self) -> dict[LogChannel, ChannelCount]:
-        """Return what is in the file by channel, from all its messages; reads them once."""
+        """Return the messages of each channel, counted by reading all of them once."""
         return self._contents
 
     @functools.cached_property
@@ -299,7 +299,7 @@ class McapSource:
         return found
 
     def configurations(self) -> Iterator[dict[str, str]]:
-        """Iterate over the configurations that the run had, each with its `log_time` [ns]."""
+        """Iterate over the configurations of the run, each with its `log_time` [ns]."""
         for offset, record in self._metadata:
             if record.name != CONFIGURATION:
                 continue

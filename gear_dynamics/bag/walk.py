@@ -52,7 +52,7 @@ class Place:
 
 
 class Walk:
-    """An iterator over the records of a file that goes on behind damage.
+    """An iterator over the records of a file that continues behind damage.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ class Walk:
     index : Index or None
         A sound index, by which chunks are found again behind damage.
     tell : callable
-        Told of each damaged place: byte, reason, and whether messages may have been lost.
+        Called for each damaged place: byte, reason, and whether messages may have been lost.
 
     Attributes
     ----------

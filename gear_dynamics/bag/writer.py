@@ -1,4 +1,4 @@
-"""The log writer: a thread that writes what it is handed, and never makes anyone wait."""
+"""The log writer: a thread that writes messages to disk and never blocks the caller."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from gear_dynamics.bag.folder import FOLDER_NAME, BagFolder, Limits, LogDeleted,
 from gear_dynamics.bag.metadata import OfferedQos, Topic, published_topic
 
 SYNC_INTERVAL = 0.25
-"""Seconds between bringing everything to the disk; a crash loses little more than this."""
+"""Seconds between writes to the disk; a crash loses little more than this."""
 
 BATCH_SIZE = 1 << 20
 """Bytes that wait before they are written earlier than that."""
@@ -30,7 +30,7 @@ QUEUE_SIZE = 128 << 20
 
 @dataclasses.dataclass(frozen=True)
 class LogStatus:
-    """What the writer is doing.
+    """State of the writer.
 
     Attributes
     ----------
@@ -150,7 +150,7 @@ class LogWriter:
         publish_time: int,
         qos: OfferedQos = OfferedQos(),  # noqa: B008 (frozen)
     ) -> None:
-        """Hand in a message; returns at once.
+        """Queue a message; returns at once.
 
         Parameters
         ----------
@@ -193,12 +193,12 @@ class LogWriter:
                 self._condition.notify()
 
     def configure(self, configuration: Mapping[str, str]) -> None:
-        """Note in the log that the run's configuration is this from now on."""
+        """Record the configuration of the run that holds from now on."""
         with self._condition:
             self._queue.append(_Change(dict(configuration), time.time_ns()))
 
     def status(self) -> LogStatus:
-        """Return what the writer is doing."""
+        """Return the state of the writer."""
         with self._condition:
             state = (
                 'off'
@@ -220,7 +220,7 @@ class LogWriter:
             )
 
     def close(self) -> LogStatus:
-        """Write what is waiting, finish the log with index and metadata.yaml, and say how it went.
+        """Write what is waiting, finish the log with index and metadata.yaml, return the state.
 
         `reason` is empty if the log is whole.
         """
@@ -284,7 +284,7 @@ class LogWriter:
             return batch
 
     def _keep_up(self) -> None:
-        """Bring everything to the disk, or try again to have a file there."""
+        """Sync the file, or try again to open one."""
         if self._reason is None:
             self._guard(self._folder.sync)
         else:
@@ -311,7 +311,7 @@ class LogWriter:
         self._guard(resume)
 
     def _guard(self, action: Callable[..., None], *arguments: Any) -> None:
-        """Do something with the folder; stop at the last whole chunk if it fails."""
+        """Call a function of the folder; stop at the last complete chunk if it fails."""
         try:
             action(*arguments)
         except LogDeleted as deleted:
@@ -325,7 +325,7 @@ class LogWriter:
             self._lose(f'{error.filename or self._folder.path}: {error.strerror}')
 
     def _finish(self) -> bool:
-        """Close the file with its index, if one is open; tell whether that went well."""
+        """Close the file with its index, if one is open; return whether that succeeded."""
         if self._folder.is_open:
             try:
                 self._folder.finish()
@@ -335,7 +335,7 @@ class LogWriter:
         return True
 
     def _lose(self, reason: str) -> None:
-        """Give up the chunk in progress, which the disk refused."""
+        """Drop the chunk in progress, which the disk refused."""
         lost = self._folder.give_up()
         with self._condition:
             self._dropped += lost

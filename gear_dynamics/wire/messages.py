@@ -15,12 +15,12 @@ from rosbags.typesys.store import Typestore
 
 
 class MessageError(ValueError):
-    """A message type is not known, or bytes are not a message of the type."""
+    """A message type is unknown, or bytes are no message of the type."""
 
 
 @dataclasses.dataclass(frozen=True)
 class MessageType:
-    """What a log says of a message type.
+    """Definition of a message type, as logs hold it.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ def serialize(message: Any) -> bytes:
     Raises
     ------
     MessageError
-        If a field does not hold what its type asks for.
+        If a field does not hold a value of its type.
     """
     try:
         return bytes(typestore().serialize_cdr(message, message.__msgtype__, little_endian=True))

@@ -194,7 +194,7 @@ def test_info_notices_a_damaged_chunk_and_an_index_that_lies(write):
     info = log_info(write(bytes(content)))
     assert not info.whole
     assert 'a chunk of' in info.damage[0].reason
-    assert info.damage[-1].reason == 'the index tells of 20 messages, 0 can be read'
+    assert info.damage[-1].reason == 'the index lists 20 messages, 0 can be read'
 
 
 def test_recover_keeps_channel_metadata_and_puts_numbers_of_policies_into_words(write, tmp_path):
