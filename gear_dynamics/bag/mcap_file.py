@@ -179,7 +179,7 @@ class McapFile:
         return self._summary()
 
     def abandon(self) -> None:
-        """Close the file as it is, complete up to the last chunk; without `finish`, it has no index."""
+        """Close the file as it is, complete up to the last chunk; unfinished, it has no index."""
         if self._file >= 0:
             self._syncer.shutdown()
             os.close(self._file)
