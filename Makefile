@@ -15,7 +15,7 @@ unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 # Many tests wait for a stream: two at a time fill two cores.
 PYTEST := -m pytest --numprocesses 2 --dist worksteal
 
-.PHONY: demo live quick test test-oldest fuzz mutants soak readme
+.PHONY: demo live quick test test-oldest fuzz mutants soak validate readme
 .DEFAULT_GOAL := demo
 
 demo: $(VENV)/ros
@@ -59,6 +59,12 @@ HOURS ?= 2
 
 soak: $(VENV)/ros
 	@$(VENV)/bin/python tools/soak.py --hours $(HOURS)
+
+# Model time under a random walk of speed and load: is the monitor silent, and does it name faults?
+VALIDATED ?= 60
+
+validate: $(VENV)/ros
+	@$(VENV)/bin/python benchmarks/monitor_validation.py --minutes $(VALIDATED)
 
 # What Ubuntu 24.04 ships, with the tests that need no ROS.
 test-oldest: $(OLDEST)/test

@@ -66,3 +66,4 @@ def test_hostile_blocks_do_not_end_the_monitor(changes):
     for stamp, rows in SOUND:
         monitor.add_block(stamp + 10**13, rows)
     assert sum(monitor.health.dropped.values()) == dropped
+    assert monitor.health.failed == {}, monitor.health.last_failure
