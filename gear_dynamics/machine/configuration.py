@@ -37,6 +37,8 @@ class Rig:
     replay_pass : int
         How often the log is being played, if the stream is a log in a loop: stamps begin anew with
         each pass.
+    described : Machine or None
+        The machine that the text describes; None in logs of before it did.
     """
 
     pinion_teeth: int
@@ -50,10 +52,13 @@ class Rig:
     gear_inertia: float
     real_time_factor: float = 1.0
     replay_pass: int = 1
+    described: Machine | None = None
 
     @property
     def machine(self) -> Machine:
-        """The rig as a machine: its shafts, wheels, mesh and channels."""
+        """The rig as a machine: as it is described, or as every rig was that is not."""
+        if self.described is not None:
+            return self.described
         return rig_machine(
             self.pinion_teeth,
             self.gear_teeth,
@@ -90,6 +95,7 @@ class Rig:
             gear_inertia=_positive(derived, 'gear_inertia'),
             real_time_factor=_number({'real_time_factor': 1.0, **parameters}, 'real_time_factor'),
             replay_pass=_count({'pass': 1, **_replay(content)}, 'pass'),
+            described=_machine(content),
         )
 
 
@@ -102,6 +108,15 @@ def _part(content: Any, name: str) -> Mapping[str, Any]:
 
 def _replay(content: Mapping[str, Any]) -> Mapping[str, Any]:
     return _part(content, 'replay') if 'replay' in content else {}
+
+
+def _machine(content: Mapping[str, Any]) -> Machine | None:
+    if 'machine' not in content:
+        return None
+    try:
+        return Machine.from_mapping(_part(content, 'machine'))
+    except ValueError as error:
+        raise ValueError(f'machine of the configuration: {error}') from None
 
 
 def _number(values: Mapping[str, Any], name: str) -> float:

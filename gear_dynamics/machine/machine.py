@@ -9,6 +9,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, TypeVar
 
+from gear_dynamics.machine import mapping
 from gear_dynamics.machine.channel import Channel
 from gear_dynamics.machine.file import machine_arguments, read_machine
 from gear_dynamics.machine.parts import DEFECTS, Bearing, Mesh, Wheel
@@ -96,6 +97,23 @@ class Machine:
     def from_mapping(cls, content: Mapping[str, Any]) -> Machine:
         """Return the machine of a machine file's content."""
         return cls(**machine_arguments(content))
+
+    def to_mapping(self) -> dict[str, Any]:
+        """Return the content of a machine file, from which `from_mapping` makes an equal machine.
+
+        Speeds in rpm, and limits in mm/s, come back within rounding.
+        """
+        content: dict[str, Any] = {'machine': self.name, **mapping.form_mapping(self.recording)}
+        content['channels'] = {each.name: mapping.channel_mapping(each) for each in self.channels}
+        content['shafts'] = {each.name: mapping.shaft_mapping(each) for each in self.shafts}
+        content['wheels'] = {
+            each.name: {'shaft': each.shaft, 'teeth': each.teeth} for each in self.wheels
+        }
+        content['meshes'] = {each.name: mapping.mesh_mapping(each) for each in self.meshes}
+        content['bearings'] = {each.name: mapping.bearing_mapping(each) for each in self.bearings}
+        if self.severity is not None:
+            content['severity'] = mapping.severity_mapping(self.severity)
+        return {key: value for key, value in content.items() if value != {}}
 
     def channel(self, name: str) -> Channel:
         """Return a channel by its name."""

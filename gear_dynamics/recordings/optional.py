@@ -14,9 +14,12 @@ def optional_module(module: str, package: str, purpose: str) -> Any:
     Raises
     ------
     RecordingError
-        If the package is not installed; the message says how to get it.
+        If the package is not installed, or does not fit the others; the message says what to do.
     """
     try:
         return importlib.import_module(module)
     except ModuleNotFoundError:
         raise RecordingError(f'{purpose} needs {package}: pip install {package}') from None
+    except ImportError as error:
+        reason = ' '.join(str(error).split())
+        raise RecordingError(f'{purpose} needs {package}, which cannot start: {reason}') from None

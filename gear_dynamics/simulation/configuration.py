@@ -7,6 +7,7 @@ import math
 
 import yaml
 
+from gear_dynamics.machine.rig import rig_machine
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.parameters.settings import SimSettings
 from gear_dynamics.versions import versions
@@ -26,14 +27,23 @@ def configuration_text(pair: GearPair, settings: SimSettings) -> str:
     Returns
     -------
     str
-        A mapping of `parameters`, `derived` (SI; `mesh_frequency` [Hz] at the commanded speed)
-        and `versions`.
+        A mapping of `parameters`, `derived` (SI; `mesh_frequency` [Hz] at the commanded speed),
+        `machine` (its shafts, wheels, mesh and channels, as in a machine file) and `versions`.
     """
     derived = dataclasses.asdict(pair.derived)
     derived['mesh_frequency'] = pair.pinion_teeth * settings.speed / (2 * math.pi)
+    machine = rig_machine(
+        pair.pinion_teeth,
+        pair.gear_teeth,
+        pair.derived.pinion_inertia,
+        pair.derived.gear_inertia,
+        pair.half_backlash,
+        pair.derived.wn,
+    )
     content = {
         'parameters': {**pair.to_mapping(), **settings.to_mapping()},
         'derived': derived,
+        'machine': machine.to_mapping(),
         'versions': versions(),
     }
     return yaml.safe_dump(content, sort_keys=False)

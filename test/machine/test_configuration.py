@@ -42,7 +42,24 @@ def test_rig_comes_back():
         section_phase=0.25,
         pinion_inertia=pair.derived.pinion_inertia,
         gear_inertia=pair.derived.gear_inertia,
+        described=rig.machine,
     )
+
+
+def test_the_machine_travels_in_the_text():
+    pair = GearPair(pinion_teeth=30, half_backlash=1e-4)
+    rig = Rig.from_text(text(pair))
+    built = dataclasses.replace(rig, described=None).machine
+    assert rig.described == rig.machine == built
+    assert rig.machine.channel('mesh_force').unit == 'N'
+
+
+def test_texts_of_before_have_the_machine_of_every_rig():
+    content = yaml.safe_load(text())
+    del content['machine']
+    old = Rig.from_text(yaml.safe_dump(content))
+    assert old.described is None
+    assert old.machine == Rig.from_text(text()).machine
 
 
 @pytest.mark.parametrize(
@@ -56,6 +73,7 @@ def test_rig_comes_back():
         ('  wn:', '  nw:', 'wn'),
         ('derived:', '[derived', 'YAML'),
         ('section_phase: 0.5', 'section_phase: half', 'section_phase'),
+        ('    teeth: 34', '    teeth: 3', 'machine of the configuration'),
     ],
 )
 def test_damaged_text_is_refused_in_one_line(old, new, words):

@@ -145,3 +145,22 @@ def test_shafts_that_drive_each_other_are_refused(read):
     text = TEXT.replace('{tacho: {column: tacho, pulses: 1, level: 2.5}}', '{driven_by: first}')
     with pytest.raises(ValueError, match='in a circle: input, output'):
         read(text)
+
+
+@pytest.mark.parametrize(
+    'speed',
+    [
+        '{tacho: {column: tacho, pulses: 1, level: 2.5}}',
+        '{angle: {column: enc, counts: 4096}}',
+        '{speed: {column: rpm, unit: Hz}}',
+        '{track: {channel: housing, order: 34, from_rpm: 900, to_rpm: 1100}}',
+        '{speed_rpm: 1797}',
+        '{inertia: 0.1}',
+    ],
+)
+def test_a_machine_comes_back_from_its_mapping(read, speed):
+    machine = read(TEXT.replace('{tacho: {column: tacho, pulses: 1, level: 2.5}}', speed))
+    again = Machine.from_mapping(machine.to_mapping())
+    assert again.to_mapping() == machine.to_mapping()
+    assert again.channels == machine.channels
+    assert again.bearings == machine.bearings

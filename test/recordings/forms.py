@@ -7,6 +7,11 @@ import wave
 import numpy as np
 from scipy import io
 
+try:
+    import pyarrow
+except ImportError:  # missing, or made for another NumPy
+    pyarrow = None
+
 RATE = 12800.0
 COUNT = 3000
 

@@ -9,6 +9,7 @@ from gear_dynamics.machine.recording_form import Rows
 from gear_dynamics.recordings.open import open_table
 from gear_dynamics.recordings.table import RecordingError
 
+NEEDS_PYARROW = pytest.mark.skipif(forms.pyarrow is None, reason='pyarrow is not there')
 ROWS = Rows('channel', 'signal', 'fs')
 
 
@@ -144,14 +145,14 @@ def test_numpy_files(tmp_path):
     check(open_table(tmp_path / 'b.npy'), (1, 2, 3), rate=None)
 
 
+@NEEDS_PYARROW
 def test_parquet_with_a_column_a_channel(tmp_path):
-    pytest.importorskip('pyarrow')
     forms.write_parquet(tmp_path / 'a.parquet')
     check(open_table(tmp_path / 'a.parquet'), rate=None)
 
 
+@NEEDS_PYARROW
 def test_parquet_with_a_row_a_channel(tmp_path):
-    pytest.importorskip('pyarrow')
     forms.write_parquet_rows(tmp_path / 'a.parquet')
     check(open_table(tmp_path / 'a.parquet', ROWS))
 
