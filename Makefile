@@ -15,7 +15,7 @@ unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 # Many tests wait for a stream: two at a time fill two cores.
 PYTEST := -m pytest --numprocesses 2 --dist worksteal
 
-.PHONY: demo live quick test test-oldest fuzz mutants soak validate readme
+.PHONY: demo live quick test test-oldest fuzz mutants soak validate pictures readme
 .DEFAULT_GOAL := demo
 
 demo: $(VENV)/ros
@@ -86,6 +86,10 @@ $(OLDEST)/test: setup.py package.xml
 	@$(PYTHON) tools/environment.py $(OLDEST) -e . 'numpy==1.26.*' 'scipy==1.11.*' \
 	  'numba==0.58.*' 'matplotlib==3.6.*' pytest pytest-timeout pytest-xdist hypothesis mcap-ros2-support
 	@touch $@
+
+# The pictures of the live page in docs/, taken from the real one in headless Chromium.
+pictures: $(VENV)/test
+	@PAGE_PICTURES=docs $(VENV)/bin/python -m pytest --quiet test/web/test_page.py
 
 # What README.md takes from the code.
 readme: $(VENV)/ros

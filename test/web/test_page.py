@@ -2,13 +2,15 @@
 
 import asyncio
 import contextlib
+import os
 import threading
+from pathlib import Path
 
 import pytest
 
 pytest.importorskip('aiohttp')
 
-from web.browser import browser, wait_until
+from web.browser import browser, picture, wait_until
 
 from gear_dynamics.model.faults import KINDS
 from gear_dynamics.model.gear_pair import GearPair
@@ -81,6 +83,17 @@ def highest_line(page, low, high):
     return max((a, f) for f, a in rows if low <= f <= high)[1]
 
 
+def keep_pictures(window):
+    """Save the pictures of the documents, if a folder for them is given."""
+    folder = os.environ.get('PAGE_PICTURES')
+    if folder:
+        picture(window, Path(folder) / 'page.png', 1440, 900)
+        window.execute_script("location.hash += '&theme=dark'")
+        picture(window, Path(folder) / 'page_dark.png', 1024, 768)
+        window.execute_script("location.hash = location.hash.replace('theme=dark', '')")
+        picture(window, Path(folder) / 'page_phone.png', 390, 844)
+
+
 def test_the_page_shows_the_machine_and_steers_it():
     with served_machine() as address, browser() as window:
         window.get(f'{address}#channels=gear_ay,mesh_force&spectrum=gear_ay')
@@ -98,11 +111,15 @@ def test_the_page_shows_the_machine_and_steers_it():
         page.use('number-speed', '157.08')
         wait_until(lambda: abs(highest_line(page, 700, 1000) - 850.0) < 6.25)
 
-        page.use('fault-kind', 'root_crack')
-        page.use('fault-wheel', 'gear')
-        page.use('fault-tooth', '17')
-        page.use('fault-severity', '0.5')
-        wait_until(lambda: 'tooth 17 severity 0.5' in page.text('diagnosis'))
+        page.use('preset', 'quiet rig, cracked tooth')
+        wait_until(lambda: 'gear, tooth 17: local fault' in page.text('diagnosis'), 150)
+        assert 'gear tooth 17 severity 0.5' in page.text('diagnosis')
+        keep_pictures(window)
+        page.use('fault-kind', 'eccentricity')
+        page.use('fault-wheel', 'pinion')
+        page.use('fault-severity', '0.2')
+        wait_until(lambda: 'eccentricity' in page.text('notices'))
+        assert 'eccentricitypinion' in page.text('diagnosis').replace(' ', '')
 
         page.use('preset', 'chaos, no friction')
         wait_until(lambda: 'chaotic' in page.text('state'))

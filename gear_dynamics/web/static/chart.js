@@ -24,7 +24,7 @@ export class Chart {
       axes: [
         {...axis, label: xLabel, size: 34, values},
         ...axes.map(({scale, label, side}, index) => ({
-          ...axis, scale, label, side, size: 54, values, filter,
+          ...axis, scale, label, side, size: 58, values, filter,
           grid: index ? {show: false} : {...grid, filter}, ticks: {...grid, filter},
         })),
       ],

@@ -116,8 +116,8 @@ export class Waterfall {
       context.fillText(short((k * this.end) / 4), MARGIN.left + (k * w) / 4, MARGIN.top + h + 14);
     }
     context.textAlign = 'center';
-    context.fillText(`frequency [Hz]; ${label(this.channel)}, ${20 * DECADES} dB from dark to bright`,
-      MARGIN.left + w / 2, MARGIN.top + h + 31);
+    const legend = `; ${label(this.channel)}, ${20 * DECADES} dB from dark to bright`;
+    context.fillText(`frequency [Hz]${w > 360 ? legend : ''}`, MARGIN.left + w / 2, MARGIN.top + h + 31);
     context.textAlign = 'right';
     for (const place of [low, (low + high) / 2, high]) {
       context.fillText(short(place), MARGIN.left - 5, Math.min(Math.max(y(place) + 4, 12), h + 4));
