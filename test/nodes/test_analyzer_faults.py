@@ -1,19 +1,15 @@
 """The analyzer under bad input: it lives, counts, and says what is wrong."""
 
-import sys
-
 import numpy as np
 import ros_support
 from mcap.reader import make_reader
+from monitoring.streams import blocks, rotation, samples
 
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.parameters.settings import SimSettings
 from gear_dynamics.simulation.configuration import configuration_text
 from gear_dynamics.wire.messages import deserialize
 from gear_dynamics.wire.tables import decode_table, encode_table
-
-sys.path.insert(0, str(ros_support.ROOT / 'test' / 'analysis'))
-from streams import blocks, rotation, samples
 
 ANALYZER = 'gear_dynamics.nodes.analyzer'
 DIAGNOSTICS = 'diagnostic_msgs/msg/DiagnosticArray'
