@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -147,13 +148,19 @@ def _tables(recording: Any, machine: Machine) -> list[Table]:
 
 
 def _files(path: Path) -> list[Path]:
-    """Return the recordings of a folder by name; an MCAP log is one."""
+    """Return the recordings of a folder by name, 2 before 10; an MCAP log is one recording."""
     if path.is_dir() and not any(path.glob('*.mcap')):
-        files = sorted(each for each in path.iterdir() if each.is_file() and each.name[0] != '.')
+        files = [each for each in path.iterdir() if each.is_file() and each.name[0] != '.']
+        files.sort(key=_natural)
         if not files:
             raise RecordingError(f'{path} is an empty folder')
         return files
     return [path]
+
+
+def _natural(path: Path) -> list[tuple[int, str]]:
+    parts = re.split(r'(\d+)', path.name)
+    return [(int(part), '') if part.isdigit() else (-1, part) for part in parts]
 
 
 def _series(

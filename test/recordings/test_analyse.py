@@ -346,3 +346,14 @@ def test_pulses_of_an_encoder_while_the_speed_rises():
     table = gd.analyse(recording, changed(GEARBOX, shafts=shafts, sample_rate=51200.0))
     np.testing.assert_allclose(table['housing/first_harmonic_1'], 1, rtol=2e-3)
     assert not table['steady'].any()
+
+
+def test_recordings_of_a_series_begin_their_tacho_anew(tmp_path):
+    values = gearbox(1.0, drift=0.0)
+    for number in (2, 10):
+        np.savez(tmp_path / f'{number}.npz', **values)
+    table = gd.analyse(tmp_path, changed(GEARBOX, files='series'))
+    assert list(table['file']) == ['2.npz', '10.npz']
+    np.testing.assert_array_equal(table['t'], [0, 1])
+    np.testing.assert_array_equal(table['input/revolutions'], [28, 28])
+    assert 'without pause' in table.attrs['notes'][0]

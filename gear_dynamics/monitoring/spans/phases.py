@@ -190,7 +190,9 @@ class _TachoReader:
             self._before = np.empty(0)
             raise ValueError('the tacho is silent')
         edges = signal.start + rising_edges(values, self._level, self._hysteresis) / signal.rate
-        before = self._before[self._before > signal.start - _longest(self._before, edges)]
+        recent = self._before > signal.start - _longest(edges)
+        # Of another recording the pulses may be later: its time began anew.
+        before = self._before[recent & (self._before < signal.start)]
         instants = np.concatenate([before, edges])
         self._before = instants[-REMEMBERED:]
         if len(edges) < 2 or len(instants) < 4:
@@ -223,7 +225,7 @@ class _TachoReader:
         return ', '.join(notes)
 
 
-def _longest(before: np.ndarray, edges: np.ndarray) -> float:
+def _longest(edges: np.ndarray) -> float:
     """Return how far back pulses of the span before are still of use [s]."""
     if len(edges) < 2:
         return 0.0
