@@ -21,7 +21,7 @@ _EXPORTS = {
     'regimes': ('Regime', 'recurrence_period', 'regime'),
     'shooting': ('LONGEST', 'OrbitError', 'PeriodicOrbit', 'periodic_orbit'),
     'stroboscopic': ('Contact', 'GearMap', 'StroboscopicMap'),
-    'tangent': ('first_tangent_vectors',),
+    'tangent': ('first_tangent_vectors', 'free_coordinates'),
     'zero_one': ('zero_one_test',),
 }
 _HOMES = {name: module for module, names in _EXPORTS.items() for name in names}

@@ -7,6 +7,8 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from gear_dynamics.dynamics.cycles import Cycles, run_cycles
+from gear_dynamics.dynamics.tangent import free_coordinates
+from gear_dynamics.integrator.layout import STATES
 from gear_dynamics.integrator.variation import VARIED
 from gear_dynamics.model.gear_pair import GearPair
 
@@ -70,7 +72,8 @@ class Contact(NamedTuple):
 class GearMap:
     """The stroboscopic map of the reduced form at mesh phase 0.
 
-    A state is x1, y1, x2, y2, psi over b and their velocities over b wn.
+    A state is x1, y1, x2, y2, psi over b and their velocities over b wn; on rigid supports only psi
+    and its velocity.
 
     Parameters
     ----------
@@ -83,8 +86,6 @@ class GearMap:
         Tolerances of the integrator.
     """
 
-    dimension = VARIED
-
     def __init__(
         self,
         pair: GearPair,
@@ -96,8 +97,14 @@ class GearMap:
     ) -> None:
         self.pair, self.speed, self.load_torque = pair, speed, load_torque
         self._rtol, self._atol = rtol, atol
-        b = pair.half_backlash
-        self._scale = b * np.repeat([1.0, pair.derived.wn], VARIED // 2)
+        self._free = free_coordinates(pair)
+        scale = pair.half_backlash * np.repeat([1.0, pair.derived.wn], VARIED // 2)
+        self._scale, self._columns = scale[self._free], [FREE[i] for i in self._free]
+
+    @property
+    def dimension(self) -> int:
+        """Numbers in a state."""
+        return len(self._free)
 
     @property
     def cycle(self) -> float:
@@ -106,12 +113,12 @@ class GearMap:
 
     def scaled(self, states: np.ndarray) -> np.ndarray:
         """Return the states of `run_cycles`, (n, STATES), as states of this map."""
-        return states[..., FREE] / self._scale
+        return states[..., self._columns] / self._scale
 
     def unscaled(self, states: np.ndarray) -> np.ndarray:
         """Return states of this map as `run_cycles` takes them."""
-        full = np.zeros((*states.shape[:-1], max(FREE) + 3))
-        full[..., FREE] = states * self._scale
+        full = np.zeros((*states.shape[:-1], STATES))
+        full[..., self._columns] = states * self._scale
         return full
 
     def iterate(self, states: np.ndarray) -> np.ndarray:
@@ -120,9 +127,9 @@ class GearMap:
 
     def tangent(self, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the states one cycle later and the Jacobians there, (n, dimension, dimension)."""
-        unit = np.repeat(np.eye(VARIED)[np.newaxis], len(states), axis=0)
+        unit = np.repeat(np.eye(VARIED)[np.newaxis, self._free], len(states), axis=0)
         run = self._run(states, vectors=unit, orthogonal=False)
-        return self.scaled(run.states), run.vectors.swapaxes(1, 2)
+        return self.scaled(run.states), run.vectors[..., self._free].swapaxes(1, 2)
 
     def section(self, states: np.ndarray) -> np.ndarray:
         """Return delta / b and delta_dot / (b wn) of states, (..., 2)."""
@@ -130,8 +137,10 @@ class GearMap:
         phase, b = pair.transmission_error_phase, pair.half_backlash
         error = pair.transmission_error_amplitude / b
         rate = pair.pinion_teeth * self.speed / pair.derived.wn
-        delta = states[..., 3] - states[..., 1] + states[..., 4] - error * np.sin(phase)
-        slope = states[..., 8] - states[..., 6] + states[..., 9] - error * rate * np.cos(phase)
+        full = np.zeros((*states.shape[:-1], VARIED))
+        full[..., self._free] = states
+        delta = full[..., 3] - full[..., 1] + full[..., 4] - error * np.sin(phase)
+        slope = full[..., 8] - full[..., 6] + full[..., 9] - error * rate * np.cos(phase)
         return np.stack([delta, slope], axis=-1)
 
     def contact(self, points: np.ndarray) -> Contact:

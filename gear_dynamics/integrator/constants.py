@@ -70,6 +70,10 @@ torques: acceleration of the columns per torque on the pinion (row 0) and agains
 scales: of the columns of a series, to weigh them against each other."""
 
 
+UNYIELDING = 1e300
+"""Stiffness of rigid supports [N/m]: no force that occurs deflects them."""
+
+
 def pack(
     pair: GearPair,
     rtol: float,
@@ -104,15 +108,17 @@ def pack(
     inertia_t = derived.pinion_inertia + derived.gear_inertia * ratio**2
     arm1, arm_sum = equations.arms(pair)
     kd, cd, ki = equations.drive_control(pair, inertia_t)
+    m1, m2 = equations.masses(pair)
+    rigid = pair.support_model == 'rigid'
     values = {
-        'm1': derived.pinion_mass,
-        'm2': derived.gear_mass,
+        'm1': m1,
+        'm2': m2,
         'inertia2': derived.gear_inertia,
         'inertia_t': inertia_t,
         'c1': derived.pinion_support_damping,
         'c2': derived.gear_support_damping,
-        'k1': pair.pinion_support_stiffness,
-        'k2': pair.gear_support_stiffness,
+        'k1': UNYIELDING if rigid else pair.pinion_support_stiffness,
+        'k2': UNYIELDING if rigid else pair.gear_support_stiffness,
         'rb1': derived.pinion_base_radius,
         'ratio': ratio,
         'k': derived.single_stiffness,
@@ -188,6 +194,7 @@ def _fastest_mode(pair: GearPair, values: dict[str, float], stiffest: float) -> 
     """
     derived = pair.derived
     mesh = 2 * derived.single_stiffness * stiffest
-    mesh *= 1 / derived.pinion_mass + 1 / derived.gear_mass + 1 / derived.equivalent_mass
-    supports = max(values['k1'] / derived.pinion_mass, values['k2'] / derived.gear_mass)
+    m1, m2 = values['m1'], values['m2']
+    mesh *= 1 / m1 + 1 / m2 + 1 / derived.equivalent_mass
+    supports = max(values['k1'] / m1, values['k2'] / m2)
     return math.sqrt(mesh + supports)

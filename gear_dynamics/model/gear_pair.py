@@ -68,6 +68,56 @@ class GearPair(GearPairParameters):
         except ParameterError as error:
             raise ParameterError(f'{path}: {error}') from None
 
+    @classmethod
+    def from_dimensionless(
+        cls,
+        *,
+        damping_ratio: float,
+        error_amplitude: float,
+        error_phase: float = 0.0,
+        damping_in_gap: bool = True,
+        **others: Any,
+    ) -> GearPair:
+        """Return a pair of one degree of freedom, as many published models have it.
+
+        With x = delta / b and tau = wn t:
+        x'' + 2 damping_ratio x' + f(x) = mean load + error_amplitude w^2 sin(w tau + error_phase),
+        f being the backlash function with half gap 1 (Kahraman and Singh 1990). Supports are rigid,
+        the stiffness is constant, and there is no friction. Mean load and frequency ratio w belong
+        to the operating point: `study.OperatingPoint.from_dimensionless`.
+
+        Parameters
+        ----------
+        damping_ratio : float
+        error_amplitude : float
+            Of the transmission error over b.
+        error_phase : float
+            [rad].
+        damping_in_gap : bool
+            Whether damping acts out of contact too.
+        **others
+            Further parameters, such as `half_backlash`, in their own units.
+
+        Raises
+        ------
+        ParameterError
+            If a value is out of its range.
+        """
+        b = others.get('half_backlash', 1e-4)
+        return cls(
+            **{
+                'support_model': 'rigid',
+                'mesh_stiffness': 'constant',
+                'friction_coefficient': 0.0,
+                'half_backlash': b,
+                'mesh_damping_ratio': damping_ratio,
+                'damping_in_gap': damping_in_gap,
+                'transmission_error_amplitude': error_amplitude * b,
+                'transmission_error_phase': error_phase,
+                **others,
+            }
+        )
+
     def to_yaml(self, path: str | Path) -> None:
         """Write every parameter, with unit and meaning, as a ROS parameter file for any node.
 

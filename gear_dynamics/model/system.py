@@ -80,7 +80,8 @@ def system(pair: GearPair, drive: bool = True) -> System:
     inertia = inertia1 + inertia2 * ratio**2
     arm_sum = arms(pair)[1]
     by_me, by_inertia = 1 / d.equivalent_mass, 1 / inertia
-    by_m1, by_m2 = 1 / d.pinion_mass, 1 / d.gear_mass
+    m1, m2 = masses(pair)
+    by_m1, by_m2 = 1 / m1, 1 / m2
 
     # psi'' = (T2*/rb2 - F) / me + (rb1/I1) Tf1 + (rb2/I2) Tf2
     # q''   = (Tf1 - (rb1/rb2) Tf2) / It
@@ -94,9 +95,9 @@ def system(pair: GearPair, drive: bool = True) -> System:
 
     stiffness, damping, integral = np.zeros((6, 6)), np.zeros((6, 6)), np.zeros(6)
     k1, k2 = pair.pinion_support_stiffness, pair.gear_support_stiffness
-    stiffness[range(4), range(4)] = np.repeat([k1 / d.pinion_mass, k2 / d.gear_mass], 2)
+    stiffness[range(4), range(4)] = np.repeat([k1 / m1, k2 / m2], 2)
     c1, c2 = d.pinion_support_damping, d.gear_support_damping
-    damping[range(4), range(4)] = np.repeat([c1 / d.pinion_mass, c2 / d.gear_mass], 2)
+    damping[range(4), range(4)] = np.repeat([c1 / m1, c2 / m2], 2)
     control = np.zeros(3)
     if drive:
         loads[Q, FRICTION] = -ratio * arm_sum * by_inertia
@@ -122,6 +123,13 @@ def system(pair: GearPair, drive: bool = True) -> System:
         drive=control,
         torques=torques,
     )
+
+
+def masses(pair: GearPair) -> tuple[float, float]:
+    """Return m1 and m2 [kg]; infinite on rigid supports, so that no force moves the bodies."""
+    if pair.support_model == 'rigid':
+        return math.inf, math.inf
+    return pair.derived.pinion_mass, pair.derived.gear_mass
 
 
 def arms(pair: GearPair) -> tuple[float, float]:

@@ -157,6 +157,11 @@ class GearPairParameters(ParameterSet):
     support_damping_ratio: float = parameter(
         0.03, 'damping ratio of the supports', minimum=0.0, maximum=1.0
     )
+    support_model: str = parameter(
+        'elastic',
+        'elastic: on springs and dampers in x and in y; rigid: the bodies only rotate',
+        choices=('elastic', 'rigid'),
+    )
     drive_frequency: float = parameter(
         5.0, 'natural frequency of the drive control', unit='Hz', minimum=0.01, maximum=1000.0
     )

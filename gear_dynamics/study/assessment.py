@@ -49,7 +49,7 @@ def assess(
         `zero_one`; with all exponents `sum_error`, by which their sum differs from the mean
         divergence, over that; `states` and `vectors` at the end, (n, ...).
     """
-    vectors = dynamics.first_tangent_vectors(len(points), k)
+    vectors = dynamics.first_tangent_vectors(len(points), k, pair=points[0].pair)
     assessed = _assess_once(points, states, vectors, cycles, section_phase)
     open_ones = ~assessed['settled'].all(axis=1) | (assessed['kind'] == UNDECIDED)
     again = np.flatnonzero(open_ones).tolist()
@@ -98,7 +98,7 @@ def _assess_once(
         )
     assessed = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     assessed |= {'sections': np.array(sections), 'states': run.states, 'vectors': run.vectors}
-    if vectors.shape[1] == vectors.shape[2]:
+    if vectors.shape[1] == len(dynamics.free_coordinates(points[0].pair)):
         sums = run.growth.sum(axis=(1, 2))
         assessed['sum_error'] = sum_error(sums, run.divergence.sum(axis=1))
     return assessed

@@ -44,6 +44,32 @@ class OperatingPoint(NamedTuple):
     load_torque: float
     asked_ratio: float | None = None
 
+    @classmethod
+    def from_dimensionless(
+        cls, *, frequency_ratio: float, mean_load: float, **pair: Any
+    ) -> OperatingPoint:
+        """Return a model of one degree of freedom at work.
+
+        Parameters
+        ----------
+        frequency_ratio : float
+            w: mesh frequency over wn.
+        mean_load : float
+            Mesh force of the load over k b.
+        **pair
+            As `GearPair.from_dimensionless` takes it.
+
+        Raises
+        ------
+        ParameterError
+            If a value is out of its range.
+        """
+        gears = GearPair.from_dimensionless(**pair)
+        d = gears.derived
+        torque = mean_load * d.single_stiffness * gears.half_backlash * d.gear_base_radius
+        point = cls(gears, RunSettings().speed, RunSettings().load_torque)
+        return point.with_value('load_torque', torque).with_value(FREQUENCY_RATIO, frequency_ratio)
+
     @property
     def frequency_ratio(self) -> float:
         """w: mesh frequency over wn."""

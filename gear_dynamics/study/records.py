@@ -76,8 +76,10 @@ def records(
     groups = chunks(len(states[0]), 1 if runner.at_once else len(states[0]))
     which = [point for point in points for _ in groups]
     begins = [each[group] for each in states for group in groups]
+    pair = points[0].pair
     ends = [
-        {'states': each, 'vectors': dynamics.first_tangent_vectors(len(each))} for each in begins
+        {'states': each, 'vectors': dynamics.first_tangent_vectors(len(each), pair=pair)}
+        for each in begins
     ]
     done = []
     with runner.progress((len(stretches) + 1) * len(which), label):

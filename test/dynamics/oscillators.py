@@ -1,10 +1,9 @@
 """A gear pair of one degree of freedom in dimensionless form, and the same written with SciPy."""
 
 import numpy as np
-from dynamics.test_cycles import one_degree_of_freedom, speed_at
 from scipy.integrate import solve_ivp
 
-from gear_dynamics import dynamics
+from gear_dynamics import dynamics, study
 
 ZETA, MEAN, ERROR = 0.05, 0.1, 0.05
 """Damping ratio, mean load and error amplitude of Kahraman and Singh's form, over k b and b."""
@@ -12,12 +11,10 @@ ZETA, MEAN, ERROR = 0.05, 0.1, 0.05
 
 def kahraman_singh(w):
     """Its stroboscopic map at a frequency ratio."""
-    b = 150e-6
-    pair = one_degree_of_freedom(
-        mesh_damping_ratio=ZETA, transmission_error_amplitude=ERROR * b, damping_in_gap=True
+    point = study.OperatingPoint.from_dimensionless(
+        frequency_ratio=w, mean_load=MEAN, damping_ratio=ZETA, error_amplitude=ERROR
     )
-    torque = MEAN * pair.derived.gear_base_radius * pair.tooth_pair_stiffness * b
-    return dynamics.GearMap(pair, speed_at(pair, w), torque)
+    return dynamics.GearMap(point.pair, point.speed, point.load_torque)
 
 
 def cycle_by_scipy(w, x, v):

@@ -77,7 +77,7 @@ def test_frequency_response_of_kahraman_and_singh():
     lost = np.sqrt(square.min())
     grazing, upper, lower = branch.bifurcations
     assert [each.kind for each in branch.bifurcations] == ['grazing', 'fold', 'fold']
-    assert grazing.at.value == pytest.approx(lost, abs=1e-5)
+    assert grazing.at.value == pytest.approx(lost, abs=1e-8)
     assert kahraman_singh(grazing.at.value).contact(grazing.at.points).clearance == pytest.approx(
         0, abs=1e-8
     )
