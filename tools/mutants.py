@@ -31,6 +31,9 @@ PACKAGE = 'gear_dynamics'
 KERNEL_ROOMS = ('integrator',)
 """Rooms whose code is mostly compiled."""
 
+GENERATORS = ('vector.py', 'lanes.py', 'polynomials.py', 'recurrence.py')
+"""Files of the integrator that generate vector instructions, which plain Python does not run."""
+
 TESTS = {
     'model': ['test/model'],
     'integrator': ['test/integrator/test_ports_reference.py'],
@@ -234,6 +237,7 @@ def main() -> int:
             for room in rooms
             if reached[room]
             for file in sorted((ROOT / PACKAGE / room).rglob('*.py'))
+            if file.name not in GENERATORS
             for mutant in mutants(file)
         ]
         sample = chosen.sample(every, min(options.count, len(every)))
