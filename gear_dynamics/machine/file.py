@@ -22,13 +22,12 @@ from gear_dynamics.machine.shaft import (
     TrackedSpeed,
 )
 from gear_dynamics.machine.source import Source, Time
-from gear_dynamics.machine.units import UNKNOWN, factor, unit
+from gear_dynamics.machine.units import RPM, UNKNOWN, factor, unit
 from gear_dynamics.parameters.yaml_text import YamlError, read_yaml
 
 _Part = TypeVar('_Part')
 
 SOURCE_KEYS = ('column', 'file', 'topic', 'sample_rate', 'time')
-RPM = 2 * math.pi / 60
 
 
 def read_machine(path: str | Path) -> dict[str, Any]:

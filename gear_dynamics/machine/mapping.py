@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from typing import Any
 
 from gear_dynamics.machine.channel import Channel
@@ -20,9 +19,7 @@ from gear_dynamics.machine.shaft import (
     TrackedSpeed,
 )
 from gear_dynamics.machine.source import Source, Time
-from gear_dynamics.machine.units import UNKNOWN
-
-RPM = 2 * math.pi / 60
+from gear_dynamics.machine.units import RPM, UNKNOWN
 
 Mapping = dict[str, Any]
 

@@ -9,6 +9,9 @@ from typing import NamedTuple
 UNKNOWN = 'unknown'
 """The unit of a channel whose unit nobody stated; its values stay as recorded."""
 
+RPM = 2 * math.pi / 60
+"""A revolution a minute [rad/s]."""
+
 GRAVITY = 9.80665
 """Standard acceleration of gravity [m/s2] (CGPM 1901)."""
 
@@ -30,7 +33,7 @@ _FACTORS = {
     'N m': {'N m': 1.0, 'Nm': 1.0, 'kNm': 1e3},
     'Pa': {'Pa': 1.0, 'kPa': 1e3, 'MPa': 1e6, 'bar': 1e5},
     'W': {'W': 1.0, 'kW': 1e3},
-    'rad/s': {'rad/s': 1.0, 'rpm': 2 * math.pi / 60, 'Hz': 2 * math.pi, 'deg/s': math.pi / 180},
+    'rad/s': {'rad/s': 1.0, 'rpm': RPM, 'Hz': 2 * math.pi, 'deg/s': math.pi / 180},
     'rad': {'rad': 1.0, 'deg': math.pi / 180, 'rev': 2 * math.pi},
     's': {'s': 1.0, 'ms': 1e-3, 'us': 1e-6, 'ns': 1e-9, 'min': 60.0, 'h': 3600.0, 'day': 86400.0},
     'degC': {'degC': 1.0},

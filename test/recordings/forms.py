@@ -129,7 +129,9 @@ def write_mcap(directory):
     """Write a log; return its folder."""
     from gear_dynamics.bag.metadata import OfferedQos
     from gear_dynamics.bag.writer import LogWriter
+    from gear_dynamics.wire.messages import message_class, serialize
     from gear_dynamics.wire.tables import TABLE_TYPE, encode_table
+    from gear_dynamics.wire.topics import NUMBER_TYPE
 
     values = columns()
     rows = np.empty(COUNT, [(name, '<f4') for name in ('t', *values)])
@@ -142,4 +144,6 @@ def write_mcap(directory):
             stamp = 10**18 + round(first * 1e9 / RATE)
             data = encode_table(part, stamp, 'housing')
             writer.write('/machine/samples', TABLE_TYPE, data, stamp, stamp, OfferedQos())
+            data = serialize(message_class(NUMBER_TYPE)(25.0 + first))
+            writer.write('/machine/speed', NUMBER_TYPE, data, stamp, stamp, OfferedQos())
     return next(path for path in directory.iterdir() if path.is_dir())

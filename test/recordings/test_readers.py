@@ -176,7 +176,12 @@ def test_universal_file_format(tmp_path):
 
 
 def test_mcap_log(tmp_path):
-    check(open_table(forms.write_mcap(tmp_path)), topic='machine/samples')
+    table = open_table(forms.write_mcap(tmp_path))
+    check(table, topic='machine/samples')
+    np.testing.assert_array_equal(
+        read(table, ['data'], 'machine/speed'), [25.0 + np.arange(0, 3000, 500)]
+    )
+    assert table.rate(table.resolve('data', 'machine/speed')) == pytest.approx(forms.RATE / 500)
 
 
 @pytest.mark.parametrize(
