@@ -153,6 +153,7 @@ class ParameterSet:
         return tuple(
             Parameter(name=field.name, default=_default(field), **field.metadata)
             for field in dataclasses.fields(cls)
+            if field.metadata
         )
 
     @classmethod
@@ -162,8 +163,8 @@ class ParameterSet:
         return cls(**{name: value for name, value in values.items() if name in names})
 
     def to_mapping(self) -> dict[str, Value]:
-        """Return names and values, in the order of declaration."""
-        return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
+        """Return names and values of the parameters, in the order of declaration."""
+        return {about.name: getattr(self, about.name) for about in self.parameters()}
 
 
 def refuse_unknown_name(name: str, known: Collection[str]) -> None:

@@ -95,6 +95,7 @@ def _run(arguments: argparse.Namespace) -> None:
         ) as runner:
             run = getattr(study_module(arguments.study), arguments.study)
             outcome = run(point, runner=runner, **values)
+            outcome = outcome._replace(text=outcome.text + _faults_told(point))
         paths = _write(arguments, outcome)
         runner.forget()
     print(outcome.text)
@@ -129,6 +130,11 @@ def _operation(arguments: argparse.Namespace) -> OperatingPoint:
         point = read_operating_point(arguments.params, **_replaced(arguments.set, swept))
     else:
         point = _about(arguments).preset()
+    if arguments.faults:
+        from gear_dynamics.model.faults import faulty
+        from gear_dynamics.simulation.faults import read_faults
+
+        point = point._replace(pair=faulty(point.pair, read_faults(arguments.faults)))
     for name, value in arguments.set:
         shown = f'{value:g}' if isinstance(value, float) else value
         if name == swept or {name, swept} == {'w', 'speed'}:
@@ -142,6 +148,11 @@ def _operation(arguments: argparse.Namespace) -> OperatingPoint:
             )
         point = point.with_value(name, value)
     return point
+
+
+def _faults_told(point: OperatingPoint) -> str:
+    """Return a line for each fault of the pair, to stand below the result."""
+    return ''.join(f'\nwith {fault}' for fault in getattr(point.pair, 'faults', ()))
 
 
 def _replaced(settings: Sequence[tuple[str, Any]], swept: str) -> dict[str, float]:
@@ -228,6 +239,13 @@ def _add_common(parser: argparse.ArgumentParser, about: Study) -> None:
         metavar='NAME=VALUE',
         default=[],
         help='change w, speed, load_torque or a parameter of the pair; may be given again',
+    )
+    parser.add_argument(
+        '--faults',
+        type=Path,
+        metavar='FILE',
+        help='YAML file with a list of faults of the pair, see docs/faults.md; the text of the '
+        'result names them',
     )
     parser.add_argument(
         '--output',

@@ -11,6 +11,7 @@ import pkgutil
 from typing import Any
 
 from gear_dynamics.model.faults.fault import Fault, Operation, WheelFault
+from gear_dynamics.model.faults.faulty_pair import FaultyPair, faulty
 
 _modules = [
     importlib.import_module(f'{__name__}.{each.name}') for each in pkgutil.iter_modules(__path__)
@@ -27,7 +28,7 @@ KINDS: dict[str, type[Fault]] = {
 
 _CLASSES = {each.__name__: each for each in KINDS.values()}
 
-__all__ = ['KINDS', 'Fault', 'Operation', *_CLASSES]
+__all__ = ['KINDS', 'Fault', 'FaultyPair', 'Operation', 'faulty', *_CLASSES]
 
 
 def __getattr__(name: str) -> Any:

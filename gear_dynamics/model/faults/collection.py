@@ -71,11 +71,13 @@ def machine_ports(
 ) -> Ports:
     """Return all departures of a machine from the nominal pair: its own, friction and faults.
 
-    Parameters and errors are those of `fault_ports`; friction follows the operating point too.
+    Parameters and errors are those of `fault_ports`; friction follows the operating point too. The
+    faults of a `FaultyPair` come first.
     """
     operation = operation or Operation()
     own = pair.healthy_ports + friction_ports(pair, *operation)
-    return own + fault_ports(pair, faults, operation)
+    given = (*getattr(pair, 'faults', ()), *faults)
+    return own + fault_ports(pair, given, operation)
 
 
 @functools.lru_cache(maxsize=256)
