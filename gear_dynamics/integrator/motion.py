@@ -129,7 +129,7 @@ def set_model(
     # Where a cycle begins, rounding may leave the phase just below zero.
     begins, phase = motion.zones['begin'], record['phase']
     phase['zone'] = max(np.searchsorted(begins, phase['phase'], side='right') - 1, 0)
-    step['unsettled'] = jumps_possible(tables)
+    step['unsettled'] = step['jumpy'] = jumps_possible(tables)
 
 
 def renewed(motion: Motion, pair: GearPair, run: RunSettings, drive: bool, fade: Fade) -> Motion:
@@ -156,6 +156,8 @@ def place_all_contacts(records):
         motion = records[i]
         expand_own_error(motion)
         place_contact(motion)
+        # What ports add is looked at where the first step begins.
+        motion.step.unsettled = motion.step.ported
 
 
 def _stiffest(tables: Tables) -> float:

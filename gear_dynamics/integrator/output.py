@@ -144,12 +144,12 @@ def _write_shafts(motion, i, out, row):
     out[row, ANGLE1] = _within_turn(p.tooth1 * (phase.tooth1 + now) + q + p.th1_psi * psi)
     out[row, ANGLE2] = _within_turn(p.tooth2 * (phase.tooth2 + now) + p.ratio * q - p.th2_psi * psi)
     out[row, LOAD] = load
-    if motion.step.ported:
+    if motion.degrees[LOAD_SIGNAL] >= 0:
         out[row, LOAD] += _signal_at(motion, LOAD_SIGNAL, tau)
     if out.shape[1] > DRIVE_TORQUE:
         turning = speed + accel * tau + q_dot
         control = p.kd * q + p.cd * q_dot + p.ki * values[Q_SUM_VALUE, i] if p.drive else 0.0
         out[row, GEAR_SPEED] = p.ratio * turning - p.th2_psi * psi_dot
         out[row, DRIVE_TORQUE] = p.ratio * load + p.inertia_t * accel - control
-        if motion.step.ported:
+        if motion.degrees[DRIVE_SIGNAL] >= 0:
             out[row, DRIVE_TORQUE] += _signal_at(motion, DRIVE_SIGNAL, tau)

@@ -1,4 +1,4 @@
-"""What the vector instructions of `recurrence`, `polynomials` and `lanes` compute, as plain NumPy.
+"""What the vector instructions of `recurrence`, `convolution`, `polynomials` and `lanes` compute, as plain NumPy.
 
 Each function has the name and the arguments of the one that it stands for. They are the ones to
 read; they also run where nothing is compiled (NUMBA_DISABLE_JIT). Tests compare both.
@@ -198,9 +198,38 @@ def fill_pushed_orders(
         friction[k] += rubs[2] if k == 0 else 0.0
 
 
-def fill_order(answers, segment, error, k, weights, forced, push, series):
-    """Fill row k + 2 of a series whose rows before are there."""
-    more = push[k] + sum(
-        forced[j] * answers[(TO_FORCE, TO_FRICTION, TO_MOMENT, TO_LOAD)[j]] for j in range(4)
-    )
-    _put_next(answers, segment, error, k, weights, more, series)
+def fill_convolved_orders(
+    answers,
+    folded,
+    offsets,
+    support_rows,
+    state,
+    error,
+    orders,
+    weights,
+    degree_count,
+    support_count,
+    travel,
+    travel_rate,
+    series,
+):
+    """Fill a series whose coefficients are polynomials in time."""
+    begin_series(state, error, series)
+    friction = np.zeros(ROWS)
+    for k in range(ROWS - 2):
+        now, following = series[k], series[k + 1]
+        total = offsets[k] + answers[STIFFNESS] * now
+        total += answers[TO_Q] * now[Q] + answers[TO_Q_SUM] * now[Q_SUM]
+        for j in range(min(k + 1, degree_count)):
+            rate = (k - j + 1) * series[k - j + 1, DELTA]
+            total += folded[j, :COLUMNS] * series[k - j, DELTA] + folded[j, COLUMNS:] * rate
+        friction[k] = total[DELTA]
+        for j, grows in enumerate((travel, travel_rate)):
+            if k - 1 - j >= 0:
+                total += answers[TO_MOMENT] * grows * friction[k - 1 - j]
+        for j in range(min(k + 1, support_count)):
+            rates = (k - j + 1) * series[k - j + 1]
+            total += support_rows[j, :COLUMNS] * series[k - j] + support_rows[j, COLUMNS:] * rates
+        rates = answers[DAMPING] * following + answers[TO_Q_DOT] * following[Q]
+        series[k + 2] = weights[2 * k] * rates + weights[2 * k + 1] * total
+        series[k + 2, DELTA] = _delta(series[k + 2], np.ravel(error)[k + 2])

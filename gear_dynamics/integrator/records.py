@@ -60,13 +60,14 @@ whether deviations act on the pair in this step, flank errors among them."""
 STEP = np.dtype(
     _fields(
         'begin length edge travel smallest',
-        'ending degree pushed rated unsettled tiny_steps ported',
+        'ending degree pushed rated unsettled tiny_steps ported jumpy',
     )
 )
 """The present step: begin [s since the origin of time], length [s], the mesh phase that may end it,
 how fast the arms grow [m/s], the shortest step so far; why it ends, the degree of its segment,
 whether signals push the bodies, whether the rates of its samples are there. unsettled: contact
-states may have jumped where it begins. ported: whether there are ports."""
+states may have jumped where it begins. ported: whether there are ports; jumpy: whether flank
+errors, transmission error or backlash may jump at an event."""
 
 SAMPLING = np.dtype(_fields('sample_rate section_phase', 'sample origin section_cycle'))
 """origin: the sample at the origin of time, which moves on once a second, so that times keep their
@@ -111,14 +112,22 @@ def _in_cache_lines(fields: dict[str, tuple]) -> np.dtype:
     )
 
 
+_CONVOLUTION = {
+    'folded': (np.float64, (WIDTH, 2 * COLUMNS)),
+    'offsets': (np.float64, (ROWS, COLUMNS)),
+    'support_rows': (np.float64, (ROWS, 2 * COLUMNS)),
+    'orders': (np.float64, (3, ROWS + 1)),
+}
+"""What `convolution` makes of a segment, and its scratch."""
+
 TANGENT = _in_cache_lines(
     {
         'state': (np.float64, (STATES + 1,)),
         'series': (np.float64, (ROWS, COLUMNS)),
         'error': (np.float64, (1, ROWS)),
         'segment': (np.float64, (SEGMENT, WIDTH)),
-        'push': (np.float64, (ROWS, COLUMNS)),
         'supports': (np.float64, (4, ROWS)),
+        **_CONVOLUTION,
     }
 )
 """What the series of a tangent vector is made of: as of the motion, without loads."""
@@ -152,6 +161,7 @@ MOTION = _in_cache_lines(
         'degrees': (np.int64, (SIGNAL_ROWS,)),
         'push': (np.float64, (ROWS, COLUMNS)),
         'supports': (np.float64, (4, ROWS)),
+        **_CONVOLUTION,
         'tangent': (TANGENT, ()),
         'pairs': (np.float64, (TOOTH_PAIRS, PAIR_ROWS, ROWS)),
         'pair_degree': (np.int64, (TOOTH_PAIRS,)),

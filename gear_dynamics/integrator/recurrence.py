@@ -33,7 +33,6 @@ from gear_dynamics.integrator.layout import (
 )
 from gear_dynamics.integrator.vector import (
     LANES,
-    ahead,
     data_of,
     load,
     multiply_add,
@@ -63,7 +62,7 @@ its derivative, and of q, its derivative and its integral. (The integral of q is
 whose first derivative is q: TO_Q_DOT has that.)"""
 
 
-def _data_of_arrays(context: Any, builder: Any, kinds: Any, arguments: Any) -> list[Any]:
+def data_of_arrays(context: Any, builder: Any, kinds: Any, arguments: Any) -> list[Any]:
     """Return the pointers to the numbers of those arguments that are arrays."""
     return [
         data_of(context, builder, kind, value)
@@ -92,7 +91,8 @@ class _Order(NamedTuple):
     delta: Any
 
 
-def _answers(builder: Any, data: Any, row: int) -> Any:
+def answers_row(builder: Any, data: Any, row: int) -> Any:
+    """Return a row of `constants.answers`."""
     return load(builder, data, LANES * row)
 
 
@@ -101,20 +101,20 @@ def _folded(builder: Any, answers: Any, segment: Any, row: int) -> Any:
     total = None
     for to, rows in ((TO_FORCE, SEG_FORCE), (TO_FRICTION, SEG_FRICTION), (TO_MOMENT, SEG_MOMENT)):
         factor = spread(builder, number_at(builder, segment, WIDTH * (rows + row)))
-        total = multiply_add(builder, factor, _answers(builder, answers, to), total)
+        total = multiply_add(builder, factor, answers_row(builder, answers, to), total)
     return total
 
 
 def _terms(builder: Any, answers: Any, segment: Any) -> _Terms:
     return _Terms(
-        stiffness=_answers(builder, answers, STIFFNESS),
-        damping=_answers(builder, answers, DAMPING),
+        stiffness=answers_row(builder, answers, STIFFNESS),
+        damping=answers_row(builder, answers, DAMPING),
         to_delta=_folded(builder, answers, segment, 0),
         to_delta_dot=_folded(builder, answers, segment, 1),
-        to_moment=_answers(builder, answers, TO_MOMENT),
-        to_q=_answers(builder, answers, TO_Q),
-        to_q_dot=_answers(builder, answers, TO_Q_DOT),
-        to_q_sum=_answers(builder, answers, TO_Q_SUM),
+        to_moment=answers_row(builder, answers, TO_MOMENT),
+        to_q=answers_row(builder, answers, TO_Q),
+        to_q_dot=answers_row(builder, answers, TO_Q_DOT),
+        to_q_sum=answers_row(builder, answers, TO_Q_SUM),
     )
 
 
@@ -123,11 +123,13 @@ def _delta(builder: Any, row: Any, error: Any) -> Any:
     return builder.fadd(apart, builder.fsub(one_of(builder, row, PSI), spread(builder, error)))
 
 
-def _order(builder: Any, row: Any, error: Any) -> _Order:
+def delta_of(builder: Any, row: Any, error: Any) -> _Order:
+    """Return an order with its delta."""
     return _Order(row, _delta(builder, row, error))
 
 
-def _store_order(builder: Any, order: _Order, data: Any, index: Any) -> None:
+def store_order(builder: Any, order: _Order, data: Any, index: Any) -> None:
+    """Put an order into a row of a series."""
     store(builder, with_lane(builder, order.row, order.delta, DELTA), data, index)
 
 
@@ -151,47 +153,31 @@ def _following(
     return multiply_add(builder, weights[0], rates, builder.fmul(weights[1], total))
 
 
-def _first_orders(builder: Any, state: Any, error: Any) -> list[_Order]:
+def first_orders(builder: Any, state: Any, error: Any) -> list[_Order]:
     """Return orders 0 and 1: positions and velocities."""
     values, slopes = load(builder, state, 0), load(builder, state, 6)
     values = with_lane(builder, values, spread(builder, number_at(builder, state, 12)), Q_SUM)
     slopes = with_lane(builder, slopes, one_of(builder, values, Q), Q_SUM)
     return [
-        _order(builder, row, number_at(builder, error, k)) for k, row in enumerate((values, slopes))
+        delta_of(builder, row, number_at(builder, error, k))
+        for k, row in enumerate((values, slopes))
     ]
-
-
-@vector_code(plain.begin_series)
-def begin_series(typing_context, state, error, series):
-    """Fill rows 0 and 1 of a series: positions and velocities.
-
-    state : (STATES,) array with room for one number more; error : array whose row 0 is the series
-    of the transmission error; series : (ROWS, 8) array.
-    """
-
-    def generate(context, builder, signature, arguments):
-        data = _data_of_arrays(context, builder, signature.args, arguments)
-        for k, order in enumerate(_first_orders(builder, data[0], data[1])):
-            _store_order(builder, order, data[2], LANES * k)
-        return context.get_dummy_value()
-
-    return types.void(state, error, series), generate
 
 
 def _generate_orders(context: Any, builder: Any, kinds: Any, arguments: Any, pushed: bool) -> Any:
     """Generate the code of `fill_orders` or `fill_pushed_orders`."""
-    data = _data_of_arrays(context, builder, kinds, arguments)
+    data = data_of_arrays(context, builder, kinds, arguments)
     answer_data, segment_data, state_data, error_data, *push_data, series_data = data
     terms = _terms(builder, answer_data, segment_data)
     grows = [builder.fmul(terms.to_moment, spread(builder, value)) for value in arguments[4:6]]
     loads = [spread(builder, value) for value in arguments[6:8]]
-    to_load = _answers(builder, answer_data, TO_LOAD)
+    to_load = answers_row(builder, answer_data, TO_LOAD)
     offsets = _folded(builder, answer_data, segment_data, 2)
     rub_k, rub_c, rub_o = (
         spread(builder, number_at(builder, segment_data, WIDTH * (SEG_FRICTION + row)))
         for row in range(3)
     )
-    orders = _first_orders(builder, state_data, error_data)
+    orders = first_orders(builder, state_data, error_data)
     friction: list[Any] = []
     for k in range(ROWS - 2):
         now, following = orders[k], orders[k + 1]
@@ -204,9 +190,9 @@ def _generate_orders(context: Any, builder: Any, kinds: Any, arguments: Any, pus
         rubs = multiply_add(builder, rub_k, now.delta, rub_o if k == 0 else None)
         damping = builder.fmul(rub_c, vector_of(k + 1.0))
         friction.append(multiply_add(builder, damping, following.delta, rubs))
-        orders.append(_order(builder, row, number_at(builder, error_data, k + 2)))
+        orders.append(delta_of(builder, row, number_at(builder, error_data, k + 2)))
     for k, order in enumerate(orders):
-        _store_order(builder, order, series_data, LANES * k)
+        store_order(builder, order, series_data, LANES * k)
     return context.get_dummy_value()
 
 
@@ -217,8 +203,9 @@ def fill_orders(
     """Fill a series.
 
     answers : (ANSWERS, 8) array; segment : (SEGMENT, WIDTH) array, of degree 0; travel [m/s],
-    travel_rate [m/s2]; torque [N m] and its rate [N m/s]: load side torque; the others are as in
-    `begin_series`.
+    travel_rate [m/s2]; torque [N m] and its rate [N m/s]: load side torque; state : (STATES,) array
+    with room for one number more; error : array whose row 0 is the series of the transmission
+    error; series : (ROWS, 8) array.
     """
 
     def generate(context, builder, signature, arguments):
@@ -256,40 +243,3 @@ def fill_pushed_orders(
         answers, segment, state, error, travel, travel_rate, torque, torque_rate, push, series
     )
     return signature, generate
-
-
-@vector_code(plain.fill_order)
-def fill_order(typing_context, answers, segment, error, k, weights, forced, push, series):
-    """Fill row k + 2 of a series whose rows before are there.
-
-    weights : (2,) array of u and w of order k; forced : (4,) array of mesh force, friction force,
-    moment and load side torque of order k, but for what the segment's stiffness and damping of
-    order 0 add. The others are as in `fill_pushed_orders`.
-    """
-
-    def generate(context, builder, signature, arguments):
-        answer_data, segment_data, error_data, weight_data, forced_data, push_data, series_data = (
-            _data_of_arrays(context, builder, signature.args, arguments)
-        )
-        terms = _terms(builder, answer_data, segment_data)
-        first = context.cast(builder, arguments[3], signature.args[3], types.int64)
-        orders = []
-        for j in range(2):
-            row = load(builder, series_data, ahead(builder, first, LANES, LANES * j))
-            orders.append(_Order(row, one_of(builder, row, DELTA)))
-        more = [
-            (_answers(builder, answer_data, to), spread(builder, number))
-            for to, number in zip(
-                (TO_FORCE, TO_FRICTION, TO_MOMENT, TO_LOAD),
-                (number_at(builder, forced_data, j) for j in range(4)),
-                strict=True,
-            )
-        ]
-        more.append((vector_of(1.0), load(builder, push_data, ahead(builder, first, LANES, 0))))
-        weighed = tuple(spread(builder, number_at(builder, weight_data, j)) for j in range(2))
-        row = _following(builder, terms, weighed, orders[0], orders[1], more)
-        made = _order(builder, row, number_at(builder, error_data, ahead(builder, first, 1, 2)))
-        _store_order(builder, made, series_data, ahead(builder, first, LANES, 2 * LANES))
-        return context.get_dummy_value()
-
-    return types.void(answers, segment, error, k, weights, forced, push, series), generate

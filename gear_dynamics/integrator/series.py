@@ -11,32 +11,28 @@ import math
 
 import numpy as np
 
+from gear_dynamics.integrator.convolution import (
+    add_loads,
+    expand_by_convolution,
+    fold,
+    fold_supports,
+)
 from gear_dynamics.integrator.kernel import kernel
 from gear_dynamics.integrator.lanes import largest, rough_log2
 from gear_dynamics.integrator.layout import (
-    DELTA,
     ERROR,
     ORDER,
     PSI,
     ROWS,
-    SEG_FORCE,
-    SEG_FRICTION,
-    SEG_MOMENT,
     VELOCITY,
     Y1,
     Y2,
 )
 from gear_dynamics.integrator.polynomials import advance_columns
-from gear_dynamics.integrator.recurrence import (
-    begin_series,
-    fill_order,
-    fill_orders,
-    fill_pushed_orders,
-)
-from gear_dynamics.integrator.signals import SUPPORTS_CHANGE, add_support_changes
+from gear_dynamics.integrator.recurrence import fill_orders, fill_pushed_orders
+from gear_dynamics.integrator.signals import SUPPORTS_CHANGE
 
 _INVERSE = 1.0 / np.arange(1, ORDER + 3)
-_WEIGHTS = np.stack([_INVERSE[1:], _INVERSE[1:] * _INVERSE[:-1]], axis=1)
 
 
 @kernel
@@ -72,36 +68,6 @@ def expand_own_error(motion):
 
 
 @kernel
-def _higher_orders(segment, degree, row, k, series):
-    """Return what the segment's offset and its orders above 0 add to order k of a force."""
-    total = segment[row + 2, k] if k <= degree else 0.0
-    for j in range(1, min(k, degree) + 1):
-        total += segment[row, j] * series[k - j, DELTA]
-        total += segment[row + 1, j] * (k - j + 1) * series[k - j + 1, DELTA]
-    return total
-
-
-@kernel
-def _expand_by_orders(motion, own, pushed, travel, travel_rate, torque, torque_rate):
-    """Fill the series from row 2 on, where coefficients are polynomials in time."""
-    p, degree, forced = motion.constants, motion.step.degree, motion.forced
-    segment, e, series, push = own.segment, own.error, own.series, own.push
-    friction_1 = friction_2 = 0.0
-    for k in range(ROWS - 2):
-        forced[0] = _higher_orders(segment, degree, SEG_FORCE, k, series)
-        forced[1] = _higher_orders(segment, degree, SEG_FRICTION, k, series)
-        forced[2] = _higher_orders(segment, degree, SEG_MOMENT, k, series)
-        forced[2] += travel * friction_1 + travel_rate * friction_2
-        forced[3] = torque if k == 0 else torque_rate if k == 1 else 0.0
-        friction = segment[SEG_FRICTION, 0] * series[k, DELTA]
-        friction += segment[SEG_FRICTION + 1, 0] * (k + 1) * series[k + 1, DELTA]
-        friction_1, friction_2 = friction + forced[1], friction_1
-        if pushed == SUPPORTS_CHANGE:
-            add_support_changes(motion, own, k)
-        fill_order(p.answers, segment, e, k, _WEIGHTS[k], forced, push, series)
-
-
-@kernel
 def arm_growth(motion):
     """Return v and w of the growth v t + w t^2 of the arms [m/s, m/s2]."""
     p, commands = motion.constants, motion.commands
@@ -119,31 +85,19 @@ def expand(motion):
     step.travel, travel_rate = arm_growth(motion)
     # On the load side, with what accelerates the gear there.
     torque = commands.torque + p.ratio * p.inertia2 * commands.accel
-    if step.degree > 0 and not step.pushed:
-        motion.push[:] = 0.0
     rate = commands.torque_rate
-    expand_linear(motion, motion, step.pushed, step.travel, travel_rate, torque, rate)
-
-
-@kernel
-def expand_linear(motion, own, pushed, travel, travel_rate, torque, torque_rate):
-    """Fill the series of a motion or of a tangent vector.
-
-    own : a record with state, error, segment, push, supports and series
-        The motion's own, or those of a tangent vector.
-    pushed : int
-        As `step.pushed`.
-    """
-    answers = motion.constants.answers
-    if motion.step.degree > 0 or pushed == SUPPORTS_CHANGE:
-        begin_series(own.state, own.error, own.series)
-        _expand_by_orders(motion, own, pushed, travel, travel_rate, torque, torque_rate)
+    if step.degree > 0 or step.pushed == SUPPORTS_CHANGE:
+        fold(motion, motion)
+        add_loads(motion, torque, rate)
+        supports = fold_supports(motion, motion) if step.pushed == SUPPORTS_CHANGE else 0
+        expand_by_convolution(motion, motion, supports, step.travel, travel_rate)
         return
-    loads = (travel, travel_rate, torque, torque_rate)
-    if pushed:
-        fill_pushed_orders(answers, own.segment, own.state, own.error, *loads, own.push, own.series)
+    loads = (step.travel, travel_rate, torque, rate)
+    state, error, series, segment = motion.state, motion.error, motion.series, motion.segment
+    if step.pushed:
+        fill_pushed_orders(p.answers, segment, state, error, *loads, motion.push, series)
     else:
-        fill_orders(answers, own.segment, own.state, own.error, *loads, own.series)
+        fill_orders(p.answers, segment, state, error, *loads, series)
 
 
 @kernel

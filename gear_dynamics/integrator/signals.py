@@ -194,21 +194,6 @@ def _push_by_support(motion, column, wheel, mass):
 
 
 @kernel
-def add_support_changes(motion, own, k):
-    """Add what changed stiffness and damping of supports take away to order k of the push."""
-    p, degrees = motion.constants, motion.degrees
-    series, push, supports = own.series, own.push, own.supports
-    for column in range(SUPPORTED):
-        wheel = column // 2
-        by_mass = 1.0 / p.m1 if wheel == 0 else 1.0 / p.m2
-        for j in range(min(k, degrees[SUPPORT_K + wheel]) + 1):
-            push[k, column] -= by_mass * supports[wheel, j] * series[k - j, column]
-        for j in range(min(k, degrees[SUPPORT_C + wheel]) + 1):
-            rate = (k - j + 1) * series[k - j + 1, column]
-            push[k, column] -= by_mass * supports[2 + wheel, j] * rate
-
-
-@kernel
 def next_knot(motion, curve, pieces):
     """Return where the present piece of a curve ends: mesh cycles of the present one, or time."""
     end = pieces[curve.first + curve.piece].end

@@ -75,17 +75,11 @@ def _enter_zone(motion, zones):
 
 @kernel
 def _pass_knots(motion, tables):
-    """Go on to the next piece of each curve whose piece ends at the mesh phase that ended the step.
-
-    Return whether there was one.
-    """
-    passed = False
+    """Go on to the next piece of each curve whose piece ends at the phase that ended the step."""
     for i in range(tables.curves.size):
         curve = tables.curves[i]
         if not curve.timed and next_knot(motion, curve, tables.curve_pieces) <= motion.step.edge:
             pass_knot(curve)
-            passed = True
-    return passed
 
 
 @kernel
@@ -96,12 +90,12 @@ def _pass_mesh_event(motion, zones, ports):
         _enter_zone(motion, zones)
         return False
     tables = unpack(ports)
-    knots = _pass_knots(motion, tables)
+    _pass_knots(motion, tables)
     if step.edge < zones[motion.phase.zone].end:
         motion.phase.phase = step.edge
     else:
         _enter_zone(motion, zones)
-    return knots or tables.pieces.size > 0
+    return step.jumpy != 0
 
 
 @kernel
@@ -119,13 +113,12 @@ def _reach_commands(motion, ports):
         commands.ports_reached = math.inf
     if not motion.step.ported:
         return False
-    passed, tables = False, unpack(ports)
+    tables = unpack(ports)
     for i in range(tables.curves.size):
         curve = tables.curves[i]
         if curve.timed and _time_left(motion, curve, tables.curve_pieces) <= 0.0:
             pass_knot(curve)
-            passed = True
-    return passed
+    return motion.step.jumpy != 0
 
 
 @kernel

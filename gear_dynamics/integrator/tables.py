@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gear_dynamics.integrator.constants import FOLDED
-from gear_dynamics.integrator.kernel import kernel
+from gear_dynamics.integrator.kernel import kernel, part_of
 from gear_dynamics.integrator.layout import ERROR, GAP, SIGNAL
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.ports import (
@@ -79,7 +79,8 @@ class Tables(NamedTuple):
 
 
 _DTYPES = (np.dtype(np.int64), PIECES, WAVES, CURVES, CURVE_PIECES, RAMPS)
-_HEADER = 8 * len(_DTYPES)
+_KINDS = len(_DTYPES)
+_HEADER = 8 * _KINDS
 
 
 def packed(tables: Tables) -> np.ndarray:
@@ -109,26 +110,26 @@ def unpacked(ports: np.ndarray) -> Tables:
 @kernel
 def unpack(ports):
     """Return the tables in an array of bytes that is not empty, as views of it."""
-    counts = ports[:_HEADER].view(np.int64)
+    counts = part_of(ports, 0, _KINDS, _INTEGER)
     a = _HEADER
     b = a + 8 * counts[0]
     c = b + _PIECE_SIZE * counts[1]
     d = c + _WAVE_SIZE * counts[2]
     e = d + _CURVE_SIZE * counts[3]
     f = e + _CURVE_PIECE_SIZE * counts[4]
-    g = f + _RAMP_SIZE * counts[5]
     return Tables(
-        ports[a:b].view(np.int64),
-        ports[b:c].view(PIECES),
-        ports[c:d].view(WAVES),
-        ports[d:e].view(CURVES),
-        ports[e:f].view(CURVE_PIECES),
-        ports[f:g].view(RAMPS),
+        part_of(ports, a, counts[0], _INTEGER),
+        part_of(ports, b, counts[1], PIECES),
+        part_of(ports, c, counts[2], WAVES),
+        part_of(ports, d, counts[3], CURVES),
+        part_of(ports, e, counts[4], CURVE_PIECES),
+        part_of(ports, f, counts[5], RAMPS),
     )
 
 
-_PIECE_SIZE, _WAVE_SIZE, _CURVE_SIZE, _CURVE_PIECE_SIZE, _RAMP_SIZE = (
-    dtype.itemsize for dtype in _DTYPES[1:]
+_INTEGER = np.dtype(np.int64)
+_PIECE_SIZE, _WAVE_SIZE, _CURVE_SIZE, _CURVE_PIECE_SIZE = (
+    dtype.itemsize for dtype in _DTYPES[1:-1]
 )
 
 

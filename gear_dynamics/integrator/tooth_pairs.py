@@ -65,6 +65,8 @@ def _add_piece(motion, piece, ramp, ahead):
         if row == PAIR_ERROR and not piece.flawed:
             continue
         size = compose(piece.coefficients[row], place, rate, half_ramp, scratch)
+        if size == 0 and scratch[0] == 0.0:
+            continue
         # A row is zero beyond its terms, so that all rows may have the largest degree.
         add_scaled(rows[row], ROWS - 1, scratch, size, factor, slope, ROWS)
         degree = max(degree, min(size + (1 if slope != 0.0 else 0), ROWS - 1))

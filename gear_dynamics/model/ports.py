@@ -418,14 +418,17 @@ def _increasing(name: str, values: Any) -> np.ndarray:
 
 
 def _pieces(name: str, values: Any, n: int) -> np.ndarray:
-    """Return coefficients as an (n, DEGREE + 1) array."""
-    array = np.array(values, float)
-    if array.ndim == 0 and array == 0:
-        return _frozen(np.zeros((n, DEGREE + 1)))
-    if array.ndim != 2 or len(array) != n or not 0 < array.shape[1] <= DEGREE + 1:
+    """Return coefficients as an (n, DEGREE + 1) array; rows may be of different lengths."""
+    if np.isscalar(values):
+        values = np.full((n, 1), values)
+    rows = [np.atleast_1d(np.array(row, float)) for row in values]
+    if len(rows) != n or any(row.ndim != 1 or not 0 < row.size <= DEGREE + 1 for row in rows):
         raise ParameterError(
-            f'{name} has shape {array.shape}: it must be ({n}, m) with m from 1 to {DEGREE + 1}'
+            f'{name} is {values!r}: it must have {n} rows of 1 to {DEGREE + 1} coefficients'
         )
+    array = np.zeros((n, DEGREE + 1))
+    for place, row in zip(array, rows, strict=True):
+        place[: row.size] = row
     if not np.isfinite(array).all():
         raise ParameterError(f'{name} must be finite')
-    return _frozen(np.pad(array, ((0, 0), (0, DEGREE + 1 - array.shape[1]))))
+    return _frozen(array)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from ros_support import ROOT
 
-from gear_dynamics.integrator import lanes, plain, polynomials, recurrence
+from gear_dynamics.integrator import convolution, lanes, plain, polynomials, recurrence
 from gear_dynamics.integrator.layout import (
     DELTA,
     HIGH_RATE_COLUMNS,
@@ -146,21 +146,24 @@ def test_recurrence(rng):
     push = rng.standard_normal((ROWS, 8))
     push[:, DELTA] = 0.0
     empty = np.zeros((ROWS, 8))
-    assert_alike(recurrence, 'begin_series', [state, error], empty)
     assert_alike(recurrence, 'fill_orders', [answers, segment, state, error, *numbers], empty, 1e-9)
     pushed = [answers, segment, state, error, *numbers, push]
     assert_alike(recurrence, 'fill_pushed_orders', pushed, empty, 1e-9)
 
 
-def test_one_order_of_the_recurrence(rng):
-    answers, segment, state, error = machine(rng)
-    series = np.zeros((ROWS, 8))
-    plain.begin_series(state, error, series)
-    push, forced = rng.standard_normal((ROWS, 8)), rng.standard_normal(4)
-    push[:, DELTA] = 0.0
-    weights = np.array([0.5, 0.5])
-    given = [answers, segment, error, 0, weights, forced, push]
-    assert_alike(recurrence, 'fill_order', given, series)
+def test_recurrence_by_convolution(rng):
+    answers, _, state, error = machine(rng)
+    falls = 0.5 ** np.arange(ROWS)[:, np.newaxis]
+    folded, support_rows = (rng.standard_normal((ROWS, 16)) * falls for _ in range(2))
+    support_rows[:, [DELTA, DELTA + 8]] = 0.0
+    offsets, orders = rng.standard_normal((ROWS, 8)) * falls, np.zeros((3, ROWS + 1))
+    inverse = 1.0 / np.arange(1, ROWS + 2)
+    weights = np.stack([inverse[1:], inverse[1:] * inverse[:-1]], axis=1).ravel()
+    for degree_count, support_count in ((1, 0), (7, 0), (27, 5)):
+        given = [answers, folded, offsets, support_rows, state, error, orders, weights]
+        given += [degree_count, support_count, *rng.standard_normal(2)]
+        empty = np.zeros((ROWS, 8))
+        assert_alike(convolution, 'fill_convolved_orders', given, empty, 1e-9)
 
 
 PROGRAM = """
