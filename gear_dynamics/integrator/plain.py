@@ -1,4 +1,4 @@
-"""What the vector instructions of `recurrence`, `convolution`, `polynomials` and `lanes` compute, as plain NumPy.
+"""What the vector code of `recurrence`, `convolution`, `polynomials` and `lanes` does, in NumPy.
 
 Each function has the name and the arguments of the one that it stands for. They are the ones to
 read; they also run where nothing is compiled (NUMBA_DISABLE_JIT). Tests compare both.
