@@ -89,19 +89,28 @@ class Playlist:
         return list(held.values())
 
     def _one_pass(self, held: Sequence[LogMessage]) -> Iterator[LogMessage]:
-        places = {(message.channel.topic, message.log_time) for message in held}
         part = read_messages(
             self.paths, list(self.topics), self.begin, self.end + 1, self.on_damage
         )
         first = (dataclasses.replace(message, log_time=self.begin) for message in held)
-        later = (each for each in part if (each.channel.topic, each.log_time) not in places)
-        for message in itertools.chain(first, later):
+        for message in itertools.chain(first, _without(part, held)):
             try:
                 deserialize(message.data, message.channel.type_name)
             except MessageError as error:
                 self.on_message_error(f'{message.place}: {error}')
             else:
                 yield message
+
+
+def _without(part: Iterator[LogMessage], held: Sequence[LogMessage]) -> Iterator[LogMessage]:
+    """Leave out what was played already, once each: logs that are joined may repeat a message."""
+    places = {(message.channel.topic, message.log_time) for message in held}
+    for message in part:
+        place = message.channel.topic, message.log_time
+        if place in places:
+            places.remove(place)
+        else:
+            yield message
 
 
 def _is_configuration(channel: LogChannel) -> bool:
