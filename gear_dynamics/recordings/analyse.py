@@ -21,7 +21,7 @@ from gear_dynamics.recordings.optional import optional_module
 from gear_dynamics.recordings.signals import Signals
 from gear_dynamics.recordings.span_reader import Cuts, read_spans
 from gear_dynamics.recordings.stamps import recording_time
-from gear_dynamics.recordings.table import RecordingError, Table
+from gear_dynamics.recordings.table import RecordingError, Table, matches
 
 if TYPE_CHECKING:
     import pandas
@@ -170,6 +170,8 @@ def _series(
     origin = None
     end = 0.0
     for table in tables:
+        if not _is_wanted(table, result.machine):
+            continue
         time = recording_time(table, result.machine.recording.time)
         if time is None:
             start = end
@@ -184,6 +186,12 @@ def _series(
         end = start + _analyse_one([table], engine, result, progress, start)
     if len(tables) > 1:
         result.rows.sort(key=lambda row: row['t'])
+
+
+def _is_wanted(table: Table, machine: Machine) -> bool:
+    """Return whether any channel may stand in a recording, by its name."""
+    patterns = [channel.source.file for channel in machine.channels]
+    return any(pattern is None or matches(table.name, pattern) for pattern in patterns)
 
 
 def _analyse_one(

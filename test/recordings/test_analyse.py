@@ -357,3 +357,13 @@ def test_recordings_of_a_series_begin_their_tacho_anew(tmp_path):
     np.testing.assert_array_equal(table['t'], [0, 1])
     np.testing.assert_array_equal(table['input/revolutions'], [28, 28])
     assert 'without pause' in table.attrs['notes'][0]
+
+
+def test_other_files_of_a_folder_are_passed_over(tmp_path):
+    np.savez(tmp_path / 'acc_1.npz', x=gearbox(1.0)['x'])
+    np.savez(tmp_path / 'temp_1.npz', x=np.zeros(20))
+    channels = {'a': {'file': 'acc*', 'column': 'x', 'unit': 'm/s2'}}
+    machine = {'sample_rate': RATE, 'files': 'series', 'channels': channels}
+    table = gd.analyse(tmp_path, machine)
+    assert list(table['file']) == ['acc_1.npz']
+    assert table.attrs['failures'] == {}
