@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from scipy import stats
+from scipy import special
 
 from gear_dynamics.monitoring.baseline import Normal
 from gear_dynamics.parameters.yaml_text import YamlError, read_yaml
@@ -222,7 +222,7 @@ def _bound(bound: float, limit: Limit, normal: Normal | None, chance: float, sid
     if mean <= 0:
         return side * math.inf
     # A new value of a normal distribution known by `count` samples (prediction interval).
-    margin = stats.t.isf(chance, max(count - 1, 1)) * math.sqrt(1 + 1 / count) * deviation
+    margin = -special.stdtrit(max(count - 1, 1), chance) * math.sqrt(1 + 1 / count) * deviation
     return max(bound * mean, mean + margin) if side > 0 else min(bound * mean, mean - margin)
 
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy import stats
+from scipy import special
 
 from gear_dynamics.signal.synchronous import checked_average
 
@@ -82,7 +82,7 @@ def tooth_energy(signal: npt.ArrayLike, teeth: int) -> ToothEnergy:
     # 1.4826 times the median absolute deviation is the standard deviation of a normal distribution.
     scatter = 1.4826 * np.median(np.abs(level - median), axis=0)
     score = (level.max(axis=0) - median) / np.maximum(scatter, LEAST_SCATTER)
-    chance = np.minimum(teeth * stats.t.sf(score, teeth - 2), 1.0)
+    chance = np.minimum(teeth * special.stdtr(teeth - 2, -score), 1.0)
     return ToothEnergy(energy, _beginning(level, median), score, chance)
 
 
