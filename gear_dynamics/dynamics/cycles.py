@@ -1,4 +1,4 @@
-"""Whole mesh cycles at constant speed and load, from given states: what studies are made of."""
+"""Complete mesh cycles at constant speed and load, from given states."""
 
 from __future__ import annotations
 
@@ -77,9 +77,9 @@ class Cycles(NamedTuple):
     bodies : (n, cycles * samples_per_cycle) array of BODIES
         At the instants of the samples; (n, 0) if not asked for.
     vectors : (n, k, VARIED) array
-        The variations at the end.
+        The tangent vectors at the end.
     growth : (n, cycles, k) array
-        Logarithm of the growth of each variation over each cycle.
+        Logarithm of the growth of each tangent vector over each cycle.
     divergence : (n, cycles) array
         Integral over each cycle of the trace of the Jacobian: the sum of `growth` where k is 10.
     period : (n,) array
@@ -242,8 +242,8 @@ def run_cycles(
     vectors : (n, k, VARIED) array, optional
         Variations to advance along with the motion; of the reduced form alone.
     orthogonal : bool
-        Make the variations orthonormal after each cycle; without it `growth` has no cycles and
-        the variations from the unit matrix become the monodromy matrix.
+        Make the tangent vectors orthonormal after each cycle; without it `growth` has no cycles,
+        and tangent vectors that begin as the unit matrix become the monodromy matrix.
     samples_per_cycle : int
         Samples at equal distances in each cycle, the first at its beginning.
     with_bodies : bool

@@ -104,7 +104,7 @@ def pooled(values: np.ndarray, errors: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def differing_words(near: float, near_error: float, value: float, error: float) -> list[str]:
-    """Return a line if two nearby motions tell another largest exponent than variations."""
+    """Return a line if the largest exponents by nearby motions and tangent vectors differ."""
     apart, combined = abs(near - value), math.hypot(near_error, error)
     if apart <= AGREE * combined + FLOOR:
         return []

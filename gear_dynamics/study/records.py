@@ -1,4 +1,4 @@
-"""Records of motions with their variations, run in stretches: so that long ones show progress."""
+"""Records of motions with tangent vectors, run in stretches, so that long ones show progress."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ def records(
 def nearby_cycles(cycles: int) -> int:
     """Return over how many cycles two nearby motions are compared, beside a record of `cycles`.
 
-    It is a check of the variations, which needs no more than 10 000.
+    It checks the tangent vectors, which needs no more than 10 000 cycles.
     """
     return min(max(cycles // 5, 200), 10_000)
 
