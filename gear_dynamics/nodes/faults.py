@@ -5,7 +5,7 @@ from __future__ import annotations
 from rclpy.node import Node
 
 from gear_dynamics.model.faults import Fault, Operation
-from gear_dynamics.model.faults.collection import machine_ports
+from gear_dynamics.model.faults.collection import fault_ports
 from gear_dynamics.model.faults.label import Label
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.nodes.parameters import Sets
@@ -15,6 +15,9 @@ from gear_dynamics.simulation.faults import PREFIX, FaultSettings, read_faults
 from gear_dynamics.simulation.pair_file import read_pair
 from gear_dynamics.wire.labels import label_bytes
 from gear_dynamics.wire.topics import LABEL
+
+PAIR_NAMES = frozenset(about.name for about in GearPair.parameters())
+"""A change of the pair, such as of its backlash, may leave no room for a fault."""
 
 
 def concerns_faults(name: str) -> bool:
@@ -59,9 +62,9 @@ def refuse_unfit(sets: Sets, names: frozenset[str], node: str) -> None:
     assert isinstance(settings, SimSettings)
     if 'pair_file' in names and settings.pair_file:
         pair = read_pair(settings.pair_file, node).pair
-    elif not any(concerns_faults(name) for name in names):
+    elif not any(concerns_faults(name) or name in PAIR_NAMES for name in names):
         return
-    machine_ports(pair, faults_of(sets), Operation(settings.speed, settings.load_torque))
+    fault_ports(pair, faults_of(sets), Operation(settings.speed, settings.load_torque))
 
 
 class LabelTopic:

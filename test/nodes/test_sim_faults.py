@@ -14,6 +14,11 @@ from rclpy.qos import DurabilityPolicy, QoSProfile  # noqa: E402
 from sensor_msgs.msg import PointCloud2  # noqa: E402
 from std_msgs.msg import String  # noqa: E402
 
+from gear_dynamics.model.gear_pair import GearPair  # noqa: E402
+from gear_dynamics.nodes.faults import refuse_unfit  # noqa: E402
+from gear_dynamics.parameters.parameter import ParameterError  # noqa: E402
+from gear_dynamics.parameters.settings import SimSettings  # noqa: E402
+from gear_dynamics.simulation.faults import FaultSettings  # noqa: E402
 from gear_dynamics.wire.tables import decode_table  # noqa: E402
 
 SIM = 'gear_dynamics.nodes.sim'
@@ -69,6 +74,15 @@ def test_faults_are_switched_live_and_told(domain, client, tmp_path):
         ros_support.wait_until(lambda: len(labels[-1].status) == 2, 30)
         assert not set_parameter(client, 'faults', '/nowhere.yaml')[0]
         assert sim.stop() == 0
+
+
+def test_change_of_the_pair_that_a_fault_does_not_bear_is_refused():
+    narrow = GearPair(half_backlash=20e-6)
+    single = FaultSettings({'fault.eccentricity.severity': 1.0})
+    sets = {GearPair: narrow, SimSettings: SimSettings(), FaultSettings: single}
+    with pytest.raises(ParameterError, match=r'eccentricity offset is 0\.0001: it must be below'):
+        refuse_unfit(sets, frozenset({'half_backlash'}), '/gear_sim')
+    refuse_unfit(sets, frozenset({'speed'}), '/gear_sim')
 
 
 def test_another_pair_is_chosen_while_it_runs(domain, client, tmp_path):
