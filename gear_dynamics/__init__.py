@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from gear_dynamics.simulation.batch import simulate_batch
     from gear_dynamics.simulation.run import Run
     from gear_dynamics.simulation.simulate import simulate
-    from gear_dynamics.simulation.simulator import IntegrationError, Simulator
+    from gear_dynamics.simulation.simulator import Simulator
+    from gear_dynamics.simulation.stepping import IntegrationError
 
     __version__: str
 
@@ -50,7 +51,7 @@ __all__ = [
 _MODULES = {
     'EventKind': 'machine.columns',
     'GearPair': 'model.gear_pair',
-    'IntegrationError': 'simulation.simulator',
+    'IntegrationError': 'simulation.stepping',
     'Machine': 'machine.machine',
     'ParameterError': 'parameters.parameter',
     'Run': 'simulation.run',

@@ -6,7 +6,7 @@ The degree of a polynomial is kept beside it; -1 says that it is zero, whatever 
 from __future__ import annotations
 
 from gear_dynamics.integrator.kernel import kernel
-from gear_dynamics.model.ports import DEGREE
+from gear_dynamics.model.port_checks import DEGREE
 
 
 @kernel

@@ -12,8 +12,8 @@ from gear_dynamics.integrator.constants import FOLDED
 from gear_dynamics.integrator.kernel import kernel, part_of
 from gear_dynamics.integrator.layout import ERROR, GAP, SIGNAL
 from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.port_checks import DEGREE
 from gear_dynamics.model.ports import (
-    DEGREE,
     TOOTH_QUANTITIES,
     WHEELS,
     Harmonic,

@@ -25,10 +25,8 @@ from typing import Any
 
 import numpy as np
 
+from gear_dynamics.model.port_checks import finite, increasing, pieces
 from gear_dynamics.parameters.parameter import ParameterError
-
-DEGREE = 6
-"""Greatest degree of a polynomial piece."""
 
 WHEELS = ('pinion', 'gear')
 
@@ -133,9 +131,9 @@ class ToothDeviation(Term):
             raise ParameterError(
                 f'tooth is {self.tooth!r} of wheel {self.wheel!r}: name a tooth of a wheel, from 0'
             )
-        _set(self, 'edges', _increasing('edges', self.edges))
+        _set(self, 'edges', increasing('edges', self.edges))
         for name in TOOTH_QUANTITIES:
-            _set(self, name, _pieces(name, getattr(self, name), len(self.edges) - 1))
+            _set(self, name, pieces(name, getattr(self, name), len(self.edges) - 1))
 
     @property
     def is_zero(self) -> bool:
@@ -185,7 +183,7 @@ class Harmonic(Term):
     def __post_init__(self) -> None:
         _check_names(self.signal, self.argument)
         for name in ('order', 'amplitude', 'phase'):
-            _set(self, name, _finite(name, getattr(self, name)))
+            _set(self, name, finite(name, getattr(self, name)))
         if self.derivative not in (0, 1, 2):
             raise ParameterError(f'derivative is {self.derivative!r}: it must be 0, 1 or 2')
 
@@ -232,9 +230,9 @@ class Table(Term):
 
     def __post_init__(self) -> None:
         _check_names(self.signal, self.argument)
-        _set(self, 'knots', _increasing('knots', self.knots))
+        _set(self, 'knots', increasing('knots', self.knots))
         n = len(self.knots) - 1
-        _set(self, 'coefficients', _pieces('coefficients', self.coefficients, n))
+        _set(self, 'coefficients', pieces('coefficients', self.coefficients, n))
 
     @property
     def is_zero(self) -> bool:
@@ -288,7 +286,7 @@ class Offset(Term):
 
     def __post_init__(self) -> None:
         _check_names(self.signal, 'time')
-        _set(self, 'value', _finite('value', self.value))
+        _set(self, 'value', finite('value', self.value))
 
     @property
     def is_zero(self) -> bool:
@@ -394,41 +392,3 @@ def _check_names(signal: str, argument: str) -> None:
         raise ParameterError(f'signal is {signal!r}: it must be one of {", ".join(SIGNALS)}')
     if argument not in ARGUMENTS:
         raise ParameterError(f'argument is {argument!r}: it must be one of {", ".join(ARGUMENTS)}')
-
-
-def _finite(name: str, value: Any) -> float:
-    number = float(value)
-    if not np.isfinite(number):
-        raise ParameterError(f'{name} is {value!r}: it must be finite')
-    return number
-
-
-def _frozen(array: np.ndarray) -> np.ndarray:
-    array.setflags(write=False)
-    return array
-
-
-def _increasing(name: str, values: Any) -> np.ndarray:
-    array = np.array(values, float)
-    if array.ndim != 1 or array.size < 2 or not np.isfinite(array).all():
-        raise ParameterError(f'{name} must be two finite numbers or more, not {values!r}')
-    if (np.diff(array) <= 0).any():
-        raise ParameterError(f'{name} must increase: {values!r}')
-    return _frozen(array)
-
-
-def _pieces(name: str, values: Any, n: int) -> np.ndarray:
-    """Return coefficients as an (n, DEGREE + 1) array; rows may be of different lengths."""
-    if np.isscalar(values):
-        values = np.full((n, 1), values)
-    rows = [np.atleast_1d(np.array(row, float)) for row in values]
-    if len(rows) != n or any(row.ndim != 1 or not 0 < row.size <= DEGREE + 1 for row in rows):
-        raise ParameterError(
-            f'{name} is {values!r}: it must have {n} rows of 1 to {DEGREE + 1} coefficients'
-        )
-    array = np.zeros((n, DEGREE + 1))
-    for place, row in zip(array, rows, strict=True):
-        place[: row.size] = row
-    if not np.isfinite(array).all():
-        raise ParameterError(f'{name} must be finite')
-    return _frozen(array)

@@ -32,7 +32,8 @@ from gear_dynamics.simulation.configuration import configuration_text
 from gear_dynamics.simulation.faults import FaultSettings
 from gear_dynamics.simulation.pair_file import read_pair
 from gear_dynamics.simulation.sensor import Sensor
-from gear_dynamics.simulation.simulator import IntegrationError, Simulator
+from gear_dynamics.simulation.simulator import Simulator
+from gear_dynamics.simulation.stepping import IntegrationError
 from gear_dynamics.wire.topics import CONFIGURATION
 
 ABOUT = 'Streams the vibration of a simulated spur gear pair on gear_pair/samples in real time.'

@@ -23,8 +23,9 @@ from gear_dynamics.model.gear_pair import GearPair, checked_pair
 from gear_dynamics.model.ports import HEALTHY, Ports, checked_ports
 from gear_dynamics.parameters.parameter import ParameterError
 from gear_dynamics.parameters.run_settings import RunSettings
-from gear_dynamics.simulation.simulator import IntegrationError, Simulator, why_stopped
+from gear_dynamics.simulation.simulator import Simulator
 from gear_dynamics.simulation.state import model_ports
+from gear_dynamics.simulation.stepping import IntegrationError, why_stopped
 
 _BLOCK = 1 << 16
 

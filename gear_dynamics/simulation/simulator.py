@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import operator
 from collections.abc import Sequence
 from typing import Any
 
@@ -13,13 +12,7 @@ import numpy as np
 from gear_dynamics.integrator import stepper
 from gear_dynamics.integrator.band_limit import BandLimiter, decimations
 from gear_dynamics.integrator.jumps import ROWS_OF_JUMP
-from gear_dynamics.integrator.kernel import borrowed, kernel
-from gear_dynamics.integrator.layout import (
-    DRIVE_TORQUE,
-    GEAR_SPEED,
-    HIGH_RATE_COLUMNS,
-    OVERSAMPLING,
-)
+from gear_dynamics.integrator.layout import HIGH_RATE_COLUMNS, OVERSAMPLING
 from gear_dynamics.integrator.motion import Motion, copy_of, elapsed, renewed, start
 from gear_dynamics.integrator.tables import Fade, Group, make_tables
 from gear_dynamics.machine.columns import EVENTS, SAMPLE_COLUMNS, SAMPLES, SHAFTS
@@ -31,60 +24,20 @@ from gear_dynamics.model.ports import HEALTHY, Ports, checked_ports
 from gear_dynamics.parameters.parameter import ParameterError, refuse_unknown_name
 from gear_dynamics.parameters.run_settings import RunSettings
 from gear_dynamics.simulation.state import State, model_ports
+from gear_dynamics.simulation.stepping import (
+    IntegrationError,
+    checked_count,
+    fill,
+    hand_out,
+    interrupt,
+    reach_sample,
+    why_stopped,
+)
 
 _CHUNK = 1024
 
 RAMP = 0.05
 """Time in which ports fade out and in when they change [s]."""
-
-
-class IntegrationError(RuntimeError):
-    """The integrator cannot go on; the message says when and why."""
-
-
-def why_stopped(record: np.void, status: int, rtol: float) -> str:
-    """Return when and why the integrator stopped with this status, and what may help.
-
-    record : a record of MOTION
-    """
-    sampling = record['sampling']
-    time = sampling['origin'] / sampling['sample_rate'] + record['step']['begin']
-    what = f'the integrator stopped at t = {time:.9g} s'
-    if status == stepper.STUCK:
-        return (
-            f'{what}: the step size fell through its floor; check the parameters, or try another '
-            f'rtol than {rtol:g}'
-        )
-    return f'{what}: the motion is no longer finite; check the parameters'
-
-
-@kernel(nogil=True)
-def _fill(records, zones, ports, jumps, whole_every, out):
-    return stepper.fill_samples(
-        records[0], borrowed(zones), borrowed(ports), borrowed(jumps), whole_every, borrowed(out)
-    )
-
-
-@kernel
-def _hand_out(rows, samples, shafts):
-    """Split the integrator's rows into samples and what the shafts do besides."""
-    for i in range(rows.shape[0]):
-        for j in range(GEAR_SPEED):
-            samples[i, j] = rows[i, j]
-        shafts[i, 0], shafts[i, 1] = rows[i, GEAR_SPEED], rows[i, DRIVE_TORQUE]
-
-
-@kernel
-def _reach_sample(records, zones, ports, jumps):
-    status = stepper.run(records[0], zones, ports, jumps)
-    if status == stepper.DONE:
-        stepper.pass_section_before_sample(records[0])
-    return status
-
-
-@kernel
-def _interrupt(records):
-    stepper.interrupt(records[0])
 
 
 class Simulator:
@@ -202,7 +155,7 @@ class Simulator:
         IntegrationError
             If the step size falls through its floor or the motion is no longer finite.
         """
-        n = _checked_count(n)
+        n = checked_count(n)
         samples, shafts = np.empty(n, SAMPLES), np.empty(n, SHAFTS)
         rows = samples.view(np.float64).reshape(n, len(SAMPLE_COLUMNS))
         besides = shafts.view(np.float64).reshape(n, 2)
@@ -213,7 +166,7 @@ class Simulator:
             else:
                 made = self._rows[: len(rows[part])]
                 self._integrate(made)
-                _hand_out(made, rows[part], besides[part])
+                hand_out(made, rows[part], besides[part])
         self.shafts = shafts
         self.samples_done += n
         return samples
@@ -222,7 +175,7 @@ class Simulator:
         """Fill rows with the integrator's next samples."""
         filled, whole_every = 0, OVERSAMPLING if self._limiters else 1
         while filled < len(rows):
-            count, status = _fill(*self._motion, self._jumps, whole_every, rows[filled:])
+            count, status = fill(*self._motion, self._jumps, whole_every, rows[filled:])
             filled += count
             self._check(status)
         self._hold_events()
@@ -377,13 +330,13 @@ class Simulator:
         """Step up to the instant of the next sample."""
         status = stepper.EVENTS_FULL
         while status == stepper.EVENTS_FULL:
-            status = _reach_sample(*self._motion, self._jumps)
+            status = reach_sample(*self._motion, self._jumps)
             self._check(status)
 
     def _interrupt(self) -> None:
         self._reach_sample()
         self._hold_events()
-        _interrupt(self._motion.records)
+        interrupt(self._motion.records)
 
     @property
     def counters(self) -> dict[str, int | float]:
@@ -443,13 +396,3 @@ class Simulator:
         )
         other.set_state(self.state())
         return other
-
-
-def _checked_count(n: Any) -> int:
-    try:
-        count = operator.index(n)
-    except TypeError:
-        count = -1
-    if count < 0:
-        raise ParameterError(f'n is {n!r}: it must be a whole number of samples, 0 or more')
-    return count

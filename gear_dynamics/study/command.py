@@ -39,7 +39,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run a study and return the exit code: 0, or 2 with one line that says what is wrong."""
     arguments = _parser().parse_args(argv)
     from gear_dynamics.compiling import Interrupted
-    from gear_dynamics.simulation.simulator import IntegrationError
+    from gear_dynamics.simulation.stepping import IntegrationError
     from gear_dynamics.study.cluster import ClusterError
 
     try:

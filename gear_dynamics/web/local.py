@@ -22,7 +22,8 @@ from gear_dynamics.parameters.parameter import ParameterError, Value
 from gear_dynamics.parameters.settings import AnalyzerSettings, SimSettings
 from gear_dynamics.simulation.configuration import configuration_text
 from gear_dynamics.simulation.faults import FaultSettings, fault_values
-from gear_dynamics.simulation.simulator import IntegrationError, Simulator
+from gear_dynamics.simulation.simulator import Simulator
+from gear_dynamics.simulation.stepping import IntegrationError
 from gear_dynamics.web.commands import Command, Pause, Reset, SetFault, SetValue, UsePreset
 from gear_dynamics.web.hub import Hub
 from gear_dynamics.web.live_rig import LiveRig

@@ -11,7 +11,8 @@ from gear_dynamics.machine.columns import SAMPLE_COLUMNS, EventKind
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.parameters.run_settings import RunSettings
 from gear_dynamics.simulation.batch import gather, refuse_failure, simulate_batch
-from gear_dynamics.simulation.simulator import IntegrationError, Simulator
+from gear_dynamics.simulation.simulator import Simulator
+from gear_dynamics.simulation.stepping import IntegrationError
 
 RPM = np.pi / 30
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from gear_dynamics.model.port_checks import DEGREE
 from gear_dynamics.model.ports import (
-    DEGREE,
     HEALTHY,
     Harmonic,
     Offset,

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gear_dynamics.model.ports import DEGREE
+from gear_dynamics.model.port_checks import DEGREE
 from gear_dynamics.parameters.parameter import ParameterError
 
 _SHORTEST = 1 / 64
