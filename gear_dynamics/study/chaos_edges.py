@@ -172,12 +172,14 @@ def ranges_text(values: np.ndarray, kinds: np.ndarray) -> str:
     return f'chaos at {", ".join(ranges)}'
 
 
-def edges_text(kinds: np.ndarray, fine_values: np.ndarray, fine_kinds: np.ndarray) -> str:
+def edges_text(
+    values: np.ndarray, kinds: np.ndarray, fine_values: np.ndarray, fine_kinds: np.ndarray
+) -> str:
     """Return where chaos begins and ends in one sweep.
 
     Parameters
     ----------
-    kinds : (count,) array
+    values, kinds : (count,) arrays
         On the grid of the sweep.
     fine_values, fine_kinds : (2, fine) arrays
         Of `refine`, by side.
@@ -185,12 +187,17 @@ def edges_text(kinds: np.ndarray, fine_values: np.ndarray, fine_kinds: np.ndarra
     stretches = chaotic_stretches(kinds, IN_A_ROW)
     if not stretches:
         return f'no chaos at {IN_A_ROW} or more neighbouring values'
-    clauses = []
+    clauses, edges = [], edge_indices(kinds)
     if stretches[0][0] == 0:
         clauses.append('chaos from the first value on')
     for side in (BEGIN, END):
         if not math.isnan(fine_values[side, 0]):
-            clauses.append(_edge_text(fine_values[side], fine_kinds[side], side))
+            clause = _edge_text(fine_values[side], fine_kinds[side], side)
+            place, coarse = edge_in(fine_values[side], fine_kinds[side], side), values[edges[side]]
+            # Chaos may be a transient that outlasts those of the grid, but not the longer ones.
+            if abs(place - coarse) > 1.001 * (values[1] - values[0]):
+                clause += f' after longer transients, at {coarse:.6g} on the grid'
+            clauses.append(clause)
     if stretches[-1][1] == len(kinds) - 1:
         clauses.append('chaos up to the last value')
     return '; '.join(clauses)

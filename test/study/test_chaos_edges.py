@@ -41,21 +41,37 @@ def test_edge_in_a_finer_sweep():
 def test_text_of_edges():
     """Chaos from the first value on that ends inside; none that lasts; edges out of the finer
     sweeps; chaos that was a transient."""
+    grid = np.array([0.0, 0.4, 0.8, 1.2, 1.6, 2.4, 2.8])
     fine = np.array([np.linspace(1.0, 1.6, 7), np.linspace(2.0, 2.6, 7)])
     none = np.full((2, 7), np.nan)
     inside = np.array([KINDS, KINDS])
-    assert edges_text(KINDS, fine, inside) == 'chaos first begins at 1.3; chaos first ends at 2.5'
-    assert edges_text(KINDS[:3], none, inside) == 'no chaos at 3 or more neighbouring values'
+    assert (
+        edges_text(grid, KINDS, fine, inside)
+        == 'chaos first begins at 1.3; chaos first ends at 2.5'
+    )
+    assert (
+        edges_text(grid[:3], KINDS[:3], none, inside) == 'no chaos at 3 or more neighbouring values'
+    )
     only_end = np.array([none[0], fine[1]])
-    assert edges_text(KINDS[3:], only_end, inside) == (
+    assert edges_text(grid[3:], KINDS[3:], only_end, inside) == (
         'chaos from the first value on; chaos first ends at 2.5'
     )
     chaos, regular = np.full(7, 'chaotic'), np.full(7, 'period-1')
-    assert edges_text(KINDS, fine, np.array([chaos, chaos])) == (
+    assert edges_text(grid, KINDS, fine, np.array([chaos, chaos])) == (
         'chaos first begins below 1; chaos first ends above 2.6'
     )
-    assert edges_text(KINDS, fine, np.array([regular, KINDS])) == (
+    assert edges_text(grid, KINDS, fine, np.array([regular, KINDS])) == (
         'no lasting chaos from 1 to 1.6 after longer transients; chaos first ends at 2.5'
+    )
+
+
+def test_an_edge_that_longer_transients_move_is_given_on_the_grid_too():
+    fine = np.array([np.full(7, np.nan), np.linspace(2.0, 2.6, 7)])
+    grid = np.linspace(0.0, 6.0, 7)
+    kinds = np.array([*['chaotic'] * 6, 'period-1'])
+    assert edges_text(grid, kinds, fine, np.array([KINDS, KINDS])) == (
+        'chaos from the first value on; '
+        'chaos first ends at 2.5 after longer transients, at 5 on the grid'
     )
 
 

@@ -231,7 +231,7 @@ def _paragraph(arrays: dict[str, np.ndarray], i: int, direction: int) -> list[st
     kinds = arrays['kind'][i, direction]
     fine = (arrays['fine_values'][i, direction], arrays['fine_kind'][i, direction])
     return [
-        f'  swept {("up", "down")[direction]}: {edges_text(kinds, *fine)}',
+        f'  swept {("up", "down")[direction]}: {edges_text(arrays["values"], kinds, *fine)}',
         f'    {ranges_text(arrays["values"], kinds)}',
         f'    {regime_shares(kinds)}',
     ]
