@@ -141,11 +141,17 @@ def _folder(file: Path) -> Path:
         If the folder cannot be made or written, or the sources cannot be read.
     """
     file.relative_to(ROOT)
-    parts = [module_digest(file), numba.__version__, llvmlite.__version__]
+    parts = [_digest(file, int(time.monotonic())), numba.__version__, llvmlite.__version__]
     parts += [platform.python_version(), platform.machine()]
     parts += [numba.config.CPU_NAME or _processor()]
     name = hashlib.sha256('\0'.join(parts).encode()).hexdigest()[:16]
     return _used(cache_folder() / f'{file.stem}-{name}')
+
+
+@functools.lru_cache
+def _digest(file: Path, second: int) -> str:
+    """Return the digest of a module, looked up once a second: a module may have many kernels."""
+    return module_digest(file)
 
 
 @functools.cache
