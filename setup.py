@@ -40,6 +40,7 @@ setup(
         (SHARE, ['package.xml']),
         (f'{SHARE}/config', files('config/*')),
         (f'{SHARE}/launch', files('launch/*.py')),
+        (f'{SHARE}/urdf', files('urdf/*')),
         (f'lib/{NAME}', files('launchers/*')),
     ],
     entry_points={'console_scripts': ['gear-dynamics = gear_dynamics.__main__:main']},

@@ -25,6 +25,7 @@ SOURCES = (
     'config',
     'launch',
     'launchers',
+    'urdf',
     'gear_dynamics',
 )
 
@@ -69,6 +70,7 @@ def assert_installed(prefix):
         'config/default.yaml',
         'config/fastdds.xml',
         'launch/rig.launch.py',
+        'urdf/gear_pair.urdf',
     ):
         assert (share / 'gear_dynamics' / name).is_file()
 
