@@ -43,6 +43,20 @@ def real_array(x: npt.ArrayLike, name: str = 'x', axis: int = 0) -> np.ndarray:
     return np.moveaxis(array, axis, 0)
 
 
+def real_series(x: npt.ArrayLike, name: str = 'x') -> np.ndarray:
+    """Return an argument that holds one channel as a real floating-point array, shape (n,).
+
+    Raises
+    ------
+    ValueError
+        As `real_array`, and if there is more than one channel.
+    """
+    array = real_array(x, name)
+    if array.size != len(array):
+        raise ValueError(f'{name} has the shape {array.shape}: it must hold one channel')
+    return array.reshape(-1)
+
+
 def whole_number(value: Any, name: str, least: int = 1) -> int:
     """Return a count as an int.
 

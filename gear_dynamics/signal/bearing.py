@@ -6,8 +6,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 from scipy import fft, ndimage
 
+from gear_dynamics.signal.arguments import positive, real_series
 from gear_dynamics.signal.demodulation import envelope
 from gear_dynamics.signal.order_tracking import resample_by_phase
 
@@ -43,9 +45,9 @@ class EnvelopeOrders(NamedTuple):
 
 
 def envelope_orders(
-    x: np.ndarray,
+    x: npt.ArrayLike,
     rate: float,
-    revolutions: np.ndarray,
+    revolutions: npt.ArrayLike,
     low: float,
     high: float,
     highest_order: float,
@@ -58,16 +60,25 @@ def envelope_orders(
 
     Parameters
     ----------
-    x : ndarray, shape (n,)
+    x : array_like, shape (n,)
     rate : float
         [Hz]
-    revolutions : ndarray, shape (n,)
+    revolutions : array_like, shape (n,)
         Angle of the shaft [revolutions], rising.
     low, high : float
         Band [Hz].
     highest_order : float
         Of interest.
+
+    Raises
+    ------
+    ValueError
+        If there is more than one channel, the lengths differ, or a value is not finite.
     """
+    x, rate = real_series(x), positive(rate, 'rate')
+    revolutions = real_series(revolutions, 'revolutions')
+    if len(revolutions) != len(x):
+        raise ValueError(f'revolutions has {len(revolutions)} values: it must have {len(x)}, as x')
     turned = float(revolutions[-1] - revolutions[0])
     speed = turned / (len(x) / rate)
     # The envelope is kept at a rate that its highest line of interest needs.

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import fft, signal
 
-from gear_dynamics.signal.arguments import positive, real_array, whole_number
+from gear_dynamics.signal.arguments import positive, real_array, real_series, whole_number
 from gear_dynamics.signal.spectrum import amplitude_spectrum
 from gear_dynamics.signal.statistics import ratio
 
@@ -187,9 +187,7 @@ def kurtogram(
     least_width : float
         Narrowest band [Hz]: three times the repetition frequency of the impacts, where it is known.
     """
-    series = np.squeeze(real_array(x))
-    if series.ndim != 1:
-        raise ValueError(f'x has the shape {np.shape(x)}: the kurtogram takes one channel')
+    series = real_series(x)
     positive(rate, 'rate')
     return [
         Band(float(edges[index]), float(edges[index + 1]), float(kurtosis[index]))

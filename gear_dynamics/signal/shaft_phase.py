@@ -5,8 +5,10 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
+import numpy.typing as npt
 from scipy import interpolate
 
+from gear_dynamics.signal.arguments import positive, real_series
 from gear_dynamics.signal.tacho import even_pulses
 
 MOST_POINTS = 64
@@ -69,19 +71,22 @@ class ShaftPhase:
         return interpolate.PchipInterpolator(self.time, self.revolutions)(time)
 
 
-def phase_from_pulses(instants: np.ndarray, numbers: np.ndarray, pulses: float) -> ShaftPhase:
+def phase_from_pulses(instants: npt.ArrayLike, numbers: npt.ArrayLike, pulses: float) -> ShaftPhase:
     """Return the angle from the instants [s] of numbered pulses, `pulses` a revolution.
 
     Marks that are not evenly spaced are calibrated out where there are a few of them.
     """
-    instants, numbers = np.asarray(instants, dtype=float), np.asarray(numbers)
+    instants, numbers = (
+        real_series(instants, 'instants').astype(float, copy=False),
+        np.asarray(numbers),
+    )
     if pulses == int(pulses) and 2 <= pulses <= MOST_MARKS:
         return ShaftPhase(instants, even_pulses(instants, numbers, int(pulses)))
     return ShaftPhase(instants, numbers / pulses)
 
 
 def phase_from_angle(
-    angle: np.ndarray, rate: float, revolution: float, start: float = 0.0
+    angle: npt.ArrayLike, rate: float, revolution: float, start: float = 0.0
 ) -> ShaftPhase:
     """Return the angle from samples of it, wrapped or not.
 
@@ -90,7 +95,7 @@ def phase_from_angle(
 
     Parameters
     ----------
-    angle : ndarray, shape (n,)
+    angle : array_like, shape (n,)
         In any unit, moving by less than half a revolution a sample.
     rate : float
         [Hz]
@@ -102,9 +107,13 @@ def phase_from_angle(
     Raises
     ------
     ValueError
-        If the shaft stands still or turns to and fro.
+        If the shaft stands still or turns to and fro, or a value is not finite.
     """
-    turned = np.unwrap(np.asarray(angle, dtype=float), period=revolution) / revolution
+    rate, revolution = positive(rate, 'rate'), positive(revolution, 'revolution')
+    turned = (
+        np.unwrap(real_series(angle, 'angle').astype(float, copy=False), period=revolution)
+        / revolution
+    )
     if turned[-1] < turned[0]:
         turned = -turned
     travel = turned[-1] - turned[0]
@@ -121,15 +130,15 @@ def phase_from_angle(
     return ShaftPhase(time, means)
 
 
-def phase_from_speed(speed: np.ndarray, rate: float, start: float = 0.0) -> ShaftPhase:
+def phase_from_speed(speed: npt.ArrayLike, rate: float, start: float = 0.0) -> ShaftPhase:
     """Return the angle as the integral of samples of the speed [revolutions/s].
 
     Raises
     ------
     ValueError
-        If the shaft stands still or turns back.
+        If the shaft stands still or turns back, or a value is not finite.
     """
-    speed = np.asarray(speed, dtype=float)
+    rate, speed = positive(rate, 'rate'), real_series(speed, 'speed').astype(float, copy=False)
     if np.mean(speed) < 0:
         speed = -speed
     if not np.all(speed > 0):

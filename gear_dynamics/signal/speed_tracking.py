@@ -6,8 +6,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 from scipy import fft, signal
 
+from gear_dynamics.signal.arguments import positive, real_series
 from gear_dynamics.signal.shaft_phase import ShaftPhase
 
 LEAST_HEIGHT = 8.0
@@ -48,7 +50,7 @@ class TrackedLine(NamedTuple):
 
 
 def track_speed(
-    x: np.ndarray,
+    x: npt.ArrayLike,
     rate: float,
     lowest: float,
     highest: float,
@@ -65,7 +67,7 @@ def track_speed(
 
     Parameters
     ----------
-    x : ndarray, shape (n,)
+    x : array_like, shape (n,)
     rate : float
         [Hz]
     lowest, highest : float
@@ -80,14 +82,15 @@ def track_speed(
     Raises
     ------
     ValueError
-        If no line stands out.
+        If no line stands out, or a value is not finite.
     """
+    x, rate = real_series(x).astype(float, copy=False), positive(rate, 'rate')
     orders = [order for order in orders if order * highest < 0.45 * rate]
     if not orders:
         raise ValueError('all lines to track lie beyond half of the sample rate')
     count = min(len(x), fft.next_fast_len(int(2.6 * max(orders) * highest * len(x) / rate) + 256))
     slow_rate = rate * count / len(x)
-    slow = signal.resample(np.asarray(x, dtype=float) - np.mean(x), count)
+    slow = signal.resample(x - np.mean(x), count)
     found = _coarse(slow, slow_rate, lowest, highest, orders)
     if not found.height >= LEAST_HEIGHT:
         raise ValueError(

@@ -5,14 +5,18 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
+
+from gear_dynamics.signal.arguments import real_series
 
 
-def trigger_level(x: np.ndarray) -> float:
+def trigger_level(x: npt.ArrayLike) -> float:
     """Return the value half-way between the lowest and the highest of a pulse signal."""
+    x = real_series(x)
     return float((np.min(x) + np.max(x)) / 2)
 
 
-def rising_edges(x: np.ndarray, level: float, hysteresis: float) -> np.ndarray:
+def rising_edges(x: npt.ArrayLike, level: float, hysteresis: float) -> np.ndarray:
     """Return where a signal rises through a level, in samples, interpolated linearly.
 
     A Schmitt trigger: after an edge the signal must fall below `level` - `hysteresis` before the
@@ -20,7 +24,7 @@ def rising_edges(x: np.ndarray, level: float, hysteresis: float) -> np.ndarray:
 
     Parameters
     ----------
-    x : ndarray, shape (n,)
+    x : array_like, shape (n,)
     level, hysteresis : float
         In the unit of x.
 
@@ -29,6 +33,7 @@ def rising_edges(x: np.ndarray, level: float, hysteresis: float) -> np.ndarray:
     ndarray
         Rising, from 0 to n - 1.
     """
+    x = real_series(x)
     state = np.zeros(len(x), np.int8)
     state[x >= level] = 1
     state[x < level - hysteresis] = -1
@@ -64,7 +69,7 @@ TOLERANCE = 0.3
 """Relative difference of an interval from its neighbours that is a change of speed."""
 
 
-def repair_pulses(instants: np.ndarray) -> Pulses:
+def repair_pulses(instants: npt.ArrayLike) -> Pulses:
     """Return pulses without spurious ones, numbered over missing ones.
 
     An interval is compared with the median of those around it. Of a pulse too many the one that
@@ -72,9 +77,16 @@ def repair_pulses(instants: np.ndarray) -> Pulses:
 
     Parameters
     ----------
-    instants : ndarray, shape (n,)
-        Rising.
+    instants : array_like, shape (n,)
+        Rising; there may be none.
+
+    Raises
+    ------
+    ValueError
+        If a value is not finite.
     """
+    if np.size(instants):
+        instants = real_series(instants, 'instants')
     instants = np.asarray(instants, dtype=float)
     expected = _expected_intervals(instants)
     if np.all(np.abs(np.diff(instants) - expected[1:]) <= TOLERANCE * expected[1:]):
@@ -119,7 +131,7 @@ FEWEST_REVOLUTIONS = 8
 """Revolutions by which the places of a wheel's pulses are learned."""
 
 
-def even_pulses(instants: np.ndarray, numbers: np.ndarray, pulses: int) -> np.ndarray:
+def even_pulses(instants: npt.ArrayLike, numbers: npt.ArrayLike, pulses: int) -> np.ndarray:
     """Return the revolutions at pulses of a wheel whose marks are not evenly spaced.
 
     The mean place of each mark follows from where it falls between two passages of the first one
@@ -127,13 +139,17 @@ def even_pulses(instants: np.ndarray, numbers: np.ndarray, pulses: int) -> np.nd
 
     Parameters
     ----------
-    instants : ndarray, shape (n,)
+    instants : array_like, shape (n,)
         Rising.
-    numbers : ndarray of int, shape (n,)
+    numbers : array_like of int, shape (n,)
         Which pulse each is.
     pulses : int
         Marks on the wheel.
     """
+    instants, numbers = (
+        real_series(instants, 'instants').astype(float, copy=False),
+        np.asarray(numbers),
+    )
     mark, turn = numbers % pulses, numbers // pulses
     first = mark == 0
     if pulses < 2 or np.count_nonzero(first) < FEWEST_REVOLUTIONS:

@@ -8,18 +8,27 @@ from gear_dynamics.signal import (
     amplitude_spectrum,
     crest_factor,
     envelope,
+    envelope_orders,
     envelope_spectrum,
+    even_pulses,
     fm4,
     kurtosis,
     most_impulsive_band,
     normalised_moment,
     peak,
+    phase_from_angle,
+    phase_from_pulses,
+    phase_from_speed,
+    repair_pulses,
     resample_by_phase,
+    rising_edges,
     rms,
     separate,
     skewness,
     spectral_kurtosis,
     synchronous_average,
+    track_speed,
+    trigger_level,
 )
 
 RATE = 12000.0
@@ -70,6 +79,42 @@ def test_a_value_that_is_not_finite_is_refused_with_its_place(function, bad):
         function(x, 0)
 
 
+COUNTS = np.arange(2048)
+ONE_CHANNEL = {
+    # What each takes, and the series that it is tried on.
+    'trigger_level': (trigger_level, X[0, 0]),
+    'rising_edges': (lambda x: rising_edges(x, 0.0, 100.0), X[0, 0]),
+    'repair_pulses': (lambda x: repair_pulses(x).instants, 10 * COUNTS),
+    'even_pulses': (lambda x: even_pulses(x, COUNTS, 4), 10 * COUNTS),
+    'phase_from_pulses': (lambda x: phase_from_pulses(x, COUNTS, 4).revolutions, 10 * COUNTS),
+    'phase_from_angle': (lambda x: phase_from_angle(x, RATE, 4096).revolutions, 40 * COUNTS),
+    'phase_from_speed': (lambda x: phase_from_speed(x, RATE).revolutions, 20 + COUNTS % 3),
+    'track_speed': (
+        lambda x: track_speed(x, RATE, 20.0, 30.0, [10.0], 1.0).phase.revolutions,
+        np.round(1000 * np.sin(2 * np.pi * 250 / RATE * np.arange(24000))),
+    ),
+    'envelope_orders': (
+        lambda x: envelope_orders(x, RATE, COUNTS / 20, 1000, 3000, 5).amplitude,
+        X[0, 0],
+    ),
+}
+
+
+@pytest.mark.parametrize('name', ONE_CHANNEL)
+def test_functions_of_one_channel_take_lists_and_integers_and_refuse_the_rest(name):
+    function, series = ONE_CHANNEL[name]
+    expected = function(series.astype(float))
+    assert np.size(expected)
+    np.testing.assert_array_equal(function(series.astype(np.int32)), expected)
+    np.testing.assert_array_equal(function(series.astype(int).tolist()), expected)
+    bad = series.astype(float)
+    bad[7] = np.nan
+    with pytest.raises(ValueError, match='is nan at index 7'):
+        function(bad)
+    with pytest.raises(ValueError, match='must hold one channel'):
+        function(np.stack([series, series], axis=1))
+
+
 def test_a_column_of_integers_has_the_band_of_the_same_series():
     # Impacts that ring at 3 kHz.
     t = np.arange(12000)
@@ -92,7 +137,12 @@ def test_a_column_of_integers_has_the_band_of_the_same_series():
         (lambda: envelope(X[0, 0], 0.0, 1.0, 2.0), 'rate is 0'),
         (lambda: envelope(X[0, 0], RATE, 1000.0, 1000.1), 'no line'),
         (lambda: amplitude_spectrum(X[0, 0], np.nan), 'rate is nan'),
-        (lambda: most_impulsive_band(X[0], RATE), 'takes one channel'),
+        (lambda: most_impulsive_band(X[0], RATE), 'must hold one channel'),
+        (
+            lambda: envelope_orders(X[0, 0], RATE, COUNTS[1:], 1, 2, 5),
+            'revolutions has 2047 values',
+        ),
+        (lambda: phase_from_speed([1.0, 2.0], 0.0), 'rate is 0'),
         (lambda: synchronous_average(X[0, 0], 0), 'points is 0'),
         (lambda: resample_by_phase(X[0, 0], np.arange(5.0), 8), r'phase has the shape \(5,\)'),
         (lambda: fm4([1.0, np.nan]), 'nan at index 1'),
