@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
 from typing import Any
+
+from gear_dynamics.lazy import load
 
 _EXPORTS = {
     'arclength': ('Curve', 'CurvePoint'),
@@ -31,9 +32,7 @@ __all__ = sorted(_HOMES)
 
 def __getattr__(name: str) -> Any:
     # Loaded when first used: the help of the studies must not wait for the compiler.
-    if name not in _HOMES:
-        raise AttributeError(f'module {__name__!r} has no attribute {name!r}')
-    return getattr(importlib.import_module(f'{__name__}.{_HOMES[name]}'), name)
+    return load(__name__, _HOMES, name)
 
 
 def __dir__() -> list[str]:

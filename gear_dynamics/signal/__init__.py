@@ -6,8 +6,9 @@ integer arrays are taken as float64. A value that is not finite is refused with 
 
 from __future__ import annotations
 
-import importlib
 from typing import Any
+
+from gear_dynamics.lazy import load
 
 _EXPORTS = {
     'bearing': ('envelope_orders', 'find_defect'),
@@ -53,9 +54,7 @@ __all__ = sorted(_HOMES)
 
 def __getattr__(name: str) -> Any:
     # Loaded when first used: SciPy and the compiled interpolation take a while.
-    if name not in _HOMES:
-        raise AttributeError(f'module {__name__!r} has no attribute {name!r}')
-    return getattr(importlib.import_module(f'{__name__}.{_HOMES[name]}'), name)
+    return load(__name__, _HOMES, name)
 
 
 def __dir__() -> list[str]:

@@ -5,10 +5,10 @@ The function of each study has the name of its module in `experiments`.
 
 from __future__ import annotations
 
-import importlib
 import pkgutil
 from typing import Any
 
+from gear_dynamics.lazy import load
 from gear_dynamics.study import experiments as _experiments
 
 _HOMES = {
@@ -24,9 +24,7 @@ __all__ = sorted(_HOMES)
 
 def __getattr__(name: str) -> Any:
     # Imported when first used: the command line must not wait for the compiler to load.
-    if name not in _HOMES:
-        raise AttributeError(f'module {__name__!r} has no attribute {name!r}')
-    return getattr(importlib.import_module(f'{__name__}.{_HOMES[name]}'), name)
+    return load(__name__, _HOMES, name)
 
 
 def __dir__() -> list[str]:
