@@ -1,4 +1,4 @@
-"""The energy balance with every port: kinetic energy changes by the work of all forces.
+"""The energy balance with every port and every fault: change of kinetic energy is work of forces.
 
 Forces are those of the equations written anew, on the integrator's own series; their work is
 integrated within every step by a Gauss rule.
@@ -8,8 +8,11 @@ import numpy as np
 import pytest
 from reference_equations import Equations
 from test_energy import ACCURACY, NODES, WEIGHTS, begin, end
+from test_faults_reference import EVERY_FAULT, POTENTIAL_ENERGY, RECTANGULAR, plain
 from test_ports_reference import EVERYTHING
 
+from gear_dynamics.model.faults.collection import machine_ports
+from gear_dynamics.model.faults.fault import Operation
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.ports import Ports
 from gear_dynamics.model.system import system
@@ -28,20 +31,18 @@ def coordinates(pair, series, t):
     return y
 
 
-@pytest.mark.parametrize('rpm', [1500, 3200])
-def test_kinetic_energy_changes_by_the_work_of_all_forces(rpm):
-    pair, speed = GearPair(), rpm * np.pi / 30
-    ports = Ports(EVERYTHING)
-    simulator = Simulator(pair, speed=speed, anti_alias=False, rtol=1e-11, atol=1e-14, ports=ports)
+def balance(simulator, equations, cycles):
+    """Return change of kinetic energy, work of all forces, and loss in the pinion's support."""
+    pair, speed = equations.pair, equations.speed(0.0)
     motion = simulator.state().motion
     record, series = motion.records[0], motion.records[0]['series']
-    equations = Equations(pair, speed, 150.0, ports)
     equations._follow_commands(0.0)
     masses = np.array([equations.m1] * 2 + [equations.m2] * 2 + [equations.i1, equations.i2])
     rigid = np.array([0, 0, 0, 0, speed, speed * pair.pinion_teeth / pair.gear_teeth])
     work = change = lost = 0.0
-    while record['phase']['cycle'] < CYCLES:
-        begin(*motion)
+    entered = False
+    while record['phase']['cycle'] < cycles:
+        begin(*motion, entered)
         length, since = record['step']['length'], record['step']['begin']
         if length > 0:
             equations.near = since + length / 2
@@ -56,7 +57,33 @@ def test_kinetic_energy_changes_by_the_work_of_all_forces(rpm):
                 lost += length / 2 * weight * equations.c1 * np.dot(y[6:8], y[6:8])
             before, after = (coordinates(pair, series, t)[6:12] + rigid for t in (0.0, length))
             change += np.dot(masses, after**2 - before**2) / 2
-        end(*motion)
+        entered = end(*motion)
+    return change, work, lost, record['counts']
+
+
+TIGHT = {'anti_alias': False, 'rtol': 1e-11, 'atol': 1e-14}
+
+
+@pytest.mark.parametrize('rpm', [1500, 3200])
+def test_kinetic_energy_changes_by_the_work_of_all_forces(rpm):
+    pair, speed = GearPair(), rpm * np.pi / 30
+    ports = Ports(EVERYTHING)
+    simulator = Simulator(pair, speed=speed, ports=ports, **TIGHT)
+    equations = Equations(pair, speed, 150.0, ports)
+    change, work, lost, counts = balance(simulator, equations, cycles=6)
     assert lost > 0
     assert abs(change - work) < ACCURACY * lost
-    assert record['counts']['rejected_steps'] > 0 or rpm == 1500
+    assert counts['rejected_steps'] > 0 or rpm == 1500
+
+
+@pytest.mark.filterwarnings('ignore:friction_model')
+@pytest.mark.parametrize('pair', [RECTANGULAR, POTENTIAL_ENERGY], ids=['rectangle', 'energy'])
+def test_energy_closes_with_every_fault_on(pair):
+    speed = 2500 * np.pi / 30
+    simulator = Simulator(pair, speed=speed, faults=EVERY_FAULT, **TIGHT)
+    ports = machine_ports(pair, EVERY_FAULT, Operation(speed, 150.0))
+    equations = Equations(plain(pair), speed, 150.0, ports)
+    change, work, lost, counts = balance(simulator, equations, cycles=4)
+    assert lost > 0
+    assert abs(change - work) < ACCURACY * lost
+    assert counts['contact_losses'] > 0
