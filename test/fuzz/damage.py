@@ -2,8 +2,12 @@
 
 import struct
 import zlib
+from pathlib import Path
 
 from hypothesis import strategies as st
+
+CORPUS = Path(__file__).parent / 'corpus'
+"""Small texts and logs of many forms: in them, most damage hits structure and not content."""
 
 MAGIC = b'\x89MCAP0\r\n'
 CHUNK = 6

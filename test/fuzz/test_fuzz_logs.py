@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bag import bag_support
-from fuzz.damage import check_refusal, damaged_bytes, damaged_logs
+from fuzz.damage import CORPUS, check_refusal, damaged_bytes, damaged_logs
 from hypothesis import given
 from mcap.writer import CompressionType, Writer
 
@@ -52,6 +52,7 @@ OTHERS = [
     other_log(compression=CompressionType.NONE, chunk_size=4000),
     other_log(compression=CompressionType.ZSTD, use_statistics=False, repeat_schemas=False),
 ]
+CORPUS_LOGS = [path.read_bytes() for path in sorted(CORPUS.glob('*.mcap'))]
 
 
 def readings(data):
@@ -94,7 +95,12 @@ def test_each_row_of_a_damaged_log_is_an_original_one_or_there_is_a_warning(data
         assert {row.tobytes() for row in rows} == WHOLE
 
 
-@given(data=damaged_logs([*OURS, *OTHERS]))
+@given(data=damaged_logs([*OURS, *OTHERS, *CORPUS_LOGS]))
 def test_records_that_make_no_sense_stop_no_reader(data):
     rows, _, _ = readings(data)
     assert rows is None or isinstance(rows, np.ndarray)
+
+
+@given(data=damaged_bytes(CORPUS_LOGS))
+def test_small_logs_of_other_writers_that_are_damaged_stop_no_reader(data):
+    readings(data)

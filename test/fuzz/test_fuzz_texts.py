@@ -4,12 +4,14 @@ import tempfile
 from pathlib import Path
 
 import pytest
-from fuzz.damage import check_refusal, damaged_texts
+from fuzz.damage import CORPUS, check_refusal, damaged_texts
 from hypothesis import given
 from hypothesis import strategies as st
 from ros_support import ROOT
 
+from gear_dynamics.bag.qos import first_profile, in_words
 from gear_dynamics.machine.configuration import Rig
+from gear_dynamics.machine.machine import Machine
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.monitoring.thresholds import Thresholds
 from gear_dynamics.parameters.files import NODES, check_parameter_file, read_parameters
@@ -17,10 +19,12 @@ from gear_dynamics.parameters.parameter import ParameterError
 from gear_dynamics.parameters.settings import SimSettings
 from gear_dynamics.parameters.yaml_text import YamlError, parse_yaml
 from gear_dynamics.simulation.configuration import configuration_text
+from gear_dynamics.simulation.faults import read_faults
 
 CONFIGURATION = configuration_text(GearPair(), SimSettings())
 FILES = {path.name: path.read_text() for path in sorted((ROOT / 'config').glob('*.yaml'))}
-TEXTS = [*FILES.values(), CONFIGURATION]
+CORPUS_TEXTS = [path.read_text() for path in sorted(CORPUS.glob('*.yaml'))]
+TEXTS = [*FILES.values(), *CORPUS_TEXTS, CONFIGURATION]
 EXPECTED = (ParameterError, YamlError, ValueError)
 
 
@@ -37,12 +41,19 @@ def tried(read, *arguments):
 def test_any_text_is_read_or_refused_in_one_line(text):
     tried(parse_yaml, text)
     tried(Rig.from_text, text)
+    first_profile(text), in_words(text)  # no QoS is refused
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, 'given.yaml')
         path.write_bytes(text.encode(errors='surrogatepass'))
-        for read in (check_parameter_file, read_parameters, GearPair.from_yaml):
+        for read in (
+            check_parameter_file,
+            read_parameters,
+            read_faults,
+            GearPair.from_yaml,
+            Machine.from_yaml,
+            Thresholds.from_yaml,
+        ):
             tried(read, path)
-        tried(Thresholds.from_yaml, path)
 
 
 @given(data=st.binary(max_size=200))
