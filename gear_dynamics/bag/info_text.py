@@ -21,7 +21,9 @@ def info_lines(info: LogInfo) -> Iterator[str]:
         yield f'file           {printable(str(file))}'
     yield f'size           {info.size / 1e6:.1f} MB'
     yield f'state          {_state(info)}'
-    yield from _listed('damage', [printable(str(each)) for each in info.damage], DAMAGE_SHOWN)
+    for word, loss in (('damage', True), ('note', False)):
+        told = [printable(str(each)) for each in info.damage if each.loss == loss]
+        yield from _listed(word, told, DAMAGE_SHOWN)
     yield f'start          {_local(info.start)}'
     yield f'duration       {info.duration:.3f} s'
     yield f'messages       {info.messages}'

@@ -25,6 +25,9 @@ _HEAD = 64
 """First bytes of a record's content, which show whether its inner lengths fit."""
 
 _KNOWN = frozenset(Opcode)
+_PRIVATE = 0x80
+"""From this opcode on, a record is an application's own: no reader knows more of it."""
+
 _SEARCH_BLOCK = 1 << 22
 # Opcode and length below 2^40, times, size and CRC, then one of three compression names.
 _CHUNK_START = re.compile(
@@ -144,7 +147,8 @@ class Walk:
 
     def _tell_end(self, at: int) -> None:
         for opcode, (first, count) in self._unknown.items():
-            self._tell(first, f'{count} records of the unknown kind {opcode} are skipped', True)
+            reason = f'{count} records of the unknown kind {opcode} are skipped'
+            self._tell(first, reason, opcode < _PRIVATE)
         if not self.complete:
             lost = self._size - at
             reason = f'the file is cut: {lost} bytes behind the last whole record are lost'

@@ -18,6 +18,7 @@ from gear_dynamics.bag import merge
 from gear_dynamics.bag.channel import LogError
 from gear_dynamics.bag.command import main
 from gear_dynamics.bag.info import log_info
+from gear_dynamics.bag.info_text import info_lines
 from gear_dynamics.bag.log import Log, LogWarning
 from gear_dynamics.bag.qos import first_profile, read_profiles
 from gear_dynamics.bag.reader import read_log, read_messages
@@ -110,17 +111,25 @@ def test_padded_and_mixed_records(write, tmp_path, number):
     check_file(write(content), content, tmp_path)
 
 
-def test_records_of_unknown_kinds_are_skipped_and_told(write):
+@pytest.mark.parametrize(('kind', 'loss'), [(0x40, True), (0x91, False)])
+def test_records_of_unknown_kinds_are_skipped_and_told(write, kind, loss):
+    """From 0x80 on, the specification leaves kinds to applications: nothing is missing then."""
     content = other.file_of(
-        other.raw_record(0x91, b'private'),
+        other.raw_record(kind, b'other'),
         other.record(other.string_schema()),
         other.record(other.string_channel()),
         other.string_record(0),
-        other.raw_record(0x91, b'private'),
+        other.raw_record(kind, b'other'),
     )
     damage = []
-    assert len(list(read_messages(write(content), on_damage=damage.append))) == 1
-    assert [each.reason for each in damage] == ['2 records of the unknown kind 145 are skipped']
+    path = write(content)
+    assert len(list(read_messages(path, on_damage=damage.append))) == 1
+    told = [(each.reason, each.loss) for each in damage]
+    assert told == [(f'2 records of the unknown kind {kind} are skipped', loss)]
+    info = log_info(path)
+    assert info.whole is not loss
+    lines = [line for line in info_lines(info) if 'unknown kind' in line]
+    assert [line.split()[0] for line in lines] == ['damage' if loss else 'note']
 
 
 def test_a_channel_may_be_told_of_in_a_later_chunk_of_an_earlier_time(write):
