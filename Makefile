@@ -2,6 +2,7 @@
 # make live: set up, stream, analyse, and show it all on a page in the browser
 # make quick: set up, check, and test what needs no ROS and no long run, in a minute
 # make test: set up, check and test everything
+# make docs: the documentation as a site, with the Python API
 # make fuzz, make mutants, make soak: long runs; see CONTRIBUTING.md
 
 PYTHON ?= python3
@@ -15,7 +16,7 @@ unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 # Many tests wait for a stream: two at a time fill two cores.
 PYTEST := -m pytest --numprocesses 2 --dist worksteal
 
-.PHONY: demo live quick test test-oldest fuzz mutants soak validate pictures readme
+.PHONY: demo live quick test test-oldest fuzz mutants soak validate pictures docs readme
 .DEFAULT_GOAL := demo
 
 demo: $(VENV)/ros
@@ -82,6 +83,10 @@ $(VENV)/test: setup.py package.xml
 	@$(PYTHON) tools/environment.py $(VENV) -e '.[ros,test]'
 	@touch $(VENV)/ros $(VENV)/live $@
 
+$(VENV)/docs: setup.py package.xml
+	@$(PYTHON) tools/environment.py $(VENV) -e '.[ros,docs]'
+	@touch $@
+
 $(OLDEST)/test: setup.py package.xml
 	@$(PYTHON) tools/environment.py $(OLDEST) -e . 'numpy==1.26.*' 'scipy==1.11.*' \
 	  'numba==0.58.*' 'matplotlib==3.6.*' pytest pytest-timeout pytest-xdist hypothesis mcap-ros2-support
@@ -90,6 +95,11 @@ $(OLDEST)/test: setup.py package.xml
 # The pictures of the live page in docs/, taken from the real one in headless Chromium.
 pictures: $(VENV)/test
 	@PAGE_PICTURES=docs $(VENV)/bin/python -m pytest --quiet test/web/test_page.py
+
+# The documentation as a site in build/site, with the Python API.
+docs: $(VENV)/docs
+	@$(VENV)/bin/python -m mkdocs build --strict --quiet
+	@echo build/site/index.html
 
 # What README.md takes from the code.
 readme: $(VENV)/ros

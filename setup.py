@@ -12,6 +12,7 @@ ROOT = Path(__file__).resolve().parent
 MANIFEST = ElementTree.parse(ROOT / 'package.xml')
 DATA = ['pandas', 'pyarrow', 'h5py', 'npTDMS', 'pyuff']
 LIVE = ['aiohttp', 'foxglove-sdk']
+DOCS = ['mkdocs>=1.6', 'mkdocstrings[python]']
 ROS = ['ros-jazzy-rclpy[fastrtps]', 'ros-jazzy-common-interfaces']
 
 
@@ -59,8 +60,10 @@ setup(
         'data': DATA,
         'cluster': ['dask[distributed]'],
         'live': LIVE,
+        'docs': DOCS,
         'test': [
             *DATA,
+            *DOCS,
             *LIVE,
             'colcon-common-extensions',
             'dask[distributed]',
