@@ -11,13 +11,13 @@ import yaml
 from ros_support import ROOT
 
 import gear_dynamics as gd
-from gear_dynamics.nodes.monitor_topics import JOINTS
 from gear_dynamics.wire.messages import message_class
 from gear_dynamics.wire.topics import FRAME, INDICATOR, TOPICS
 
 URDF = ROOT / 'urdf' / 'gear_pair.urdf'
 LAYOUT = json.loads((ROOT / 'config' / 'foxglove_layout.json').read_text(encoding='utf-8'))
 MODULE, PINION_TEETH, GEAR_TEETH = 0.002, 34, 59
+JOINTS = ('pinion_joint', 'gear_joint')
 
 
 @pytest.fixture(scope='module')
