@@ -151,7 +151,9 @@ class Walk:
             self._tell(first, reason, opcode < _PRIVATE)
         if not self.complete:
             lost = self._size - at
-            reason = f'the file is cut: {lost} bytes behind the last whole record are lost'
+            reason = 'the file was not closed: it ends behind a whole record'
+            if lost:
+                reason = f'the file is cut: {lost} bytes behind the last whole record are lost'
             self._tell(at, reason, bool(lost) and not self._data_ended)
 
 

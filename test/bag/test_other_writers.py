@@ -303,3 +303,14 @@ def test_a_cut_fastwrite_file_gives_its_whole_messages(write):
     with pytest.warns(LogWarning, match='the file is cut'):
         rows = read_log(file, '/chatter')
     np.testing.assert_array_equal(rows['data'], [f'hello {n}' for n in range(12)])
+
+
+def test_a_file_that_was_not_closed_says_that_nothing_is_cut_off(write):
+    head = other.record(other.string_schema()) + other.record(other.string_channel())
+    content = other.file_of(head, other.string_record(0))
+    content = content[: content.index(other.string_record(0)) + len(other.string_record(0))]
+    damage = []
+    assert len(list(read_messages(write(content), on_damage=damage.append))) == 1
+    (told,) = damage
+    assert told.reason == 'the file was not closed: it ends behind a whole record'
+    assert not told.loss
