@@ -27,7 +27,7 @@ live: $(VENV)/live
 
 # The rooms that compile little; ROS, chaos and long runs are left to `make test`.
 QUICK := test/parameters test/machine test/wire test/signal test/recordings test/model \
-  test/simulation test/package/test_arrows.py test/package/test_doctests.py
+  test/simulation test/package/test_arrows.py test/package/test_file_sizes.py test/package/test_doctests.py
 
 quick: $(VENV)/test
 	@$(VENV)/bin/ruff check --quiet

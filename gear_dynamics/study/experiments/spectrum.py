@@ -8,30 +8,27 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gear_dynamics import dynamics
-from gear_dynamics.dynamics.regimes import LONGEST_STUDIED, PERIOD, RECURS, recurrence_period
+from gear_dynamics.dynamics.regimes import PERIOD
 from gear_dynamics.figure_style import COLOURS, FAINT, INK
 from gear_dynamics.parameters.parameter import ParameterError
 from gear_dynamics.study.declaration import TRANSIENT_OPTION, Option, Study
 from gear_dynamics.study.drawing import legend_below, new_figure
-from gear_dynamics.study.harmonics import (
-    ACCELERATIONS,
-    DRAWN,
-    HARMONICS,
-    QUANTITIES,
-    row_of,
-    row_of_slope,
-    slope_harmonics,
-)
-from gear_dynamics.study.initial import scattered_states
+from gear_dynamics.study.harmonics import DRAWN, HARMONICS, QUANTITIES
 from gear_dynamics.study.operating_point import (
     OperatingPoint,
     default_operating_point,
-    unzip,
     with_frictions,
 )
 from gear_dynamics.study.outcome import Arrays, Outcome
 from gear_dynamics.study.published import CLAIMS, holds
+from gear_dynamics.study.spectrum_tasks import (
+    OTHER_UNITS,
+    RECORD,
+    RECURS_IN,
+    map_task,
+    quantities,
+    table_task,
+)
 from gear_dynamics.study.sweep import check_range
 from gear_dynamics.study.tasks import Runner, chunks
 
@@ -39,29 +36,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-
-BODY_UNITS = {
-    'pinion_x': 'm',
-    'pinion_y': 'm',
-    'gear_x': 'm',
-    'gear_y': 'm',
-    'psi': 'm',
-    'psi_acceleration': 'm/s2',
-    'delta_acceleration': 'm/s2',
-}
-"""What the table of the full form has of the bodies beside QUANTITIES."""
-
-RATES = {
-    'pinion_ax': 'pinion_vx',
-    'pinion_ay': 'pinion_vy',
-    'gear_ax': 'gear_vx',
-    'gear_ay': 'gear_vy',
-    'psi_acceleration': 'psi_dot',
-    'delta_acceleration': 'delta_dot',
-}
-"""What the accelerations of that table are the slopes of."""
-
-OTHER_UNITS = {'delta': 'm', 'mesh_force': 'N', 'friction_force': 'N'}
 
 UNITS = {
     'friction': '1',
@@ -77,18 +51,6 @@ UNITS = {
     **{f'map_{name}': '1' for name in CLAIMS},
 }
 
-RECORD = 32
-"""Mesh cycles in a record, or the most that are whole periods of the motion."""
-
-TABLE_SAMPLES, MAP_SAMPLES = 8192, 1024
-"""Samples in a mesh cycle; the forces jump, so that what folds back falls as one over this."""
-
-RECURS_IN = 128
-"""Mesh cycles, the last of which are the record, in which a motion is seen to recur."""
-
-DRIVE_SETTLES = 5000
-"""Mesh cycles before the record of the full form, in which the drive takes up the mean loss."""
-
 AT_ONCE = 30
 
 STUDY = Study(
@@ -103,68 +65,6 @@ STUDY = Study(
         'transient': TRANSIENT_OPTION,
     },
 )
-
-
-def recurrence(point: OperatingPoint, sections: np.ndarray) -> tuple[int, int]:
-    """Return the period of a motion, 0 without one, and of how many cycles its record is.
-
-    sections : (cycles, ...) array
-        As `run_cycles` has them, up to the end of the record of RECORD cycles.
-    """
-    scaled = point.scaled(sections[-RECURS_IN:])
-    period, _ = recurrence_period(scaled, RECURS, LONGEST_STUDIED)
-    return period, RECORD // period * period if period else RECORD
-
-
-def table_task(point: OperatingPoint) -> Arrays:
-    """Return all rows of the full form, once the drive has settled."""
-    pairs = [point.pair]
-    run = (pairs, point.speed, point.load_torque)
-    before = dynamics.run_cycles(*run, DRIVE_SETTLES, drive=True)
-    # A cycle more, for what rates have come to at the end.
-    after = dynamics.run_cycles(
-        *run,
-        RECORD + 1,
-        states=before.states,
-        drive=True,
-        samples_per_cycle=TABLE_SAMPLES,
-        with_bodies=True,
-    )
-    sections = np.concatenate([before.sections[0], after.sections[0]])
-    period, cycles = recurrence(point, sections)
-    end, duration = cycles * TABLE_SAMPLES, cycles * float(after.period[0])
-    samples, bodies = after.samples[0], after.bodies[0]
-    found = {name: samples[name] for name in (*QUANTITIES, 'delta_dot')}
-    found |= {name: bodies[name] for name in bodies.dtype.names}
-    rows = {name: row_of(found[name][:end], cycles) for name in _quantities() if name not in RATES}
-    for name, rate in RATES.items():
-        rows[name] = row_of_slope(found[name][:end], found[rate][: end + 1], cycles, duration)
-    return rows | {
-        'period': np.array(period),
-        'cycles': np.array(cycles),
-        'ax_lines': slope_harmonics(found['pinion_vx'][: end + 1], cycles, duration),
-        'ay_lines': slope_harmonics(found['pinion_vy'][: end + 1], cycles, duration),
-    }
-
-
-def map_task(points: list[OperatingPoint], transient: int) -> Arrays:
-    """Return rows of QUANTITIES of motions of the reduced form, (n, quantities, 6), and periods.
-
-    The period is 0 for a motion without one: what its record shows is partly chance.
-    """
-    pairs, speeds, torques = unzip(points)
-    states = np.concatenate([scattered_states(each, 1) for each in points])
-    before = dynamics.run_cycles(pairs, speeds, torques, transient, states=states)
-    after = dynamics.run_cycles(
-        pairs, speeds, torques, RECORD, states=before.states, samples_per_cycle=MAP_SAMPLES
-    )
-    sections = np.concatenate([before.sections, after.sections], axis=1)
-    found = [recurrence(*each) for each in zip(points, sections, strict=True)]
-    rows = [
-        [row_of(samples[name][: cycles * MAP_SAMPLES], cycles) for name in QUANTITIES]
-        for samples, (_, cycles) in zip(after.samples, found, strict=True)
-    ]
-    return {'rows': np.array(rows), 'period': np.array([period for period, _ in found])}
 
 
 def spectrum(
@@ -216,7 +116,7 @@ def spectrum(
         arrays |= {'map_phase': angles, 'map_speed': grid}
         arrays |= _map(places, (len(rubbing), phases, speeds), transient, runner)
         further = {'_map': _map_table(arrays)}
-    units = _quantities() | UNITS
+    units = quantities() | UNITS
     return Outcome('spectrum', _text(point, arrays), _table(arrays), arrays, units, further)
 
 
@@ -256,7 +156,7 @@ def _text(point: OperatingPoint, arrays: dict[str, np.ndarray]) -> str:
         f'mu = {with_friction:g} against mu = {without:g}',
     ]
     lines += [_record_words(arrays, i) for i in range(2)]
-    for name, unit in _quantities().items():
+    for name, unit in quantities().items():
         before, after = arrays[name]
         change = f'{after[0] / before[0] - 1:+.1%}' if before[0] > 0 else 'none without friction'
         first = f', first harmonic {after[1] / before[1] - 1:+.1%}' if before[1] > 0 else ''
@@ -300,17 +200,6 @@ def _claims_text(arrays: dict[str, np.ndarray]) -> list[str]:
     return lines
 
 
-def _quantities() -> dict[str, str]:
-    """Return the units of what the table has."""
-    found = {}
-    for name in QUANTITIES:
-        found[name] = OTHER_UNITS.get(name, 'm/s2')
-        if name in ACCELERATIONS:
-            body = name.replace('_a', '_')
-            found[body] = BODY_UNITS[body]
-    return found | BODY_UNITS
-
-
 def _table(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Return a row for each figure and friction: RMS and harmonics of all quantities."""
     figures = ['rms', *(f'harmonic_{i + 1}' for i in range(HARMONICS))]
@@ -321,7 +210,7 @@ def _table(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         'period [cycles]': np.tile(arrays['period'], len(figures)),
         'record [cycles]': np.tile(arrays['cycles'], len(figures)),
     }
-    for name, unit in _quantities().items():
+    for name, unit in quantities().items():
         values = arrays[name]
         with np.errstate(divide='ignore', invalid='ignore'):
             change = np.where(values[0] > 0, values / values[0] - 1, math.nan)

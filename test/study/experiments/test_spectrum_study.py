@@ -3,14 +3,14 @@ import pytest
 
 from gear_dynamics import study
 from gear_dynamics.dynamics.cycles import run_cycles
-from gear_dynamics.study.experiments.spectrum import (
+from gear_dynamics.study.harmonics import QUANTITIES
+from gear_dynamics.study.published import holds
+from gear_dynamics.study.spectrum_tasks import (
     DRIVE_SETTLES,
     RECORD,
     TABLE_SAMPLES,
     recurrence,
 )
-from gear_dynamics.study.harmonics import QUANTITIES
-from gear_dynamics.study.published import holds
 
 
 def test_a_spectrum_without_friction_is_led_by_nothing():
