@@ -66,10 +66,17 @@ def test_friction_turns_chaos_into_period_4(tmp_path):
     assert int(chaotic) > 300
 
 
-def test_cracked_rig_is_logged_with_its_label(tmp_path):
+def test_cracked_rig_is_logged_with_its_label_and_read_by_the_pipelines(tmp_path, capsys):
     label, samples = example(CRACK, tmp_path).splitlines()
     assert label == 'gear 17'
     assert samples == f"{8 * 51200} ('t', 'pinion_ax', 'pinion_ay')"
+    section = text_of(DOCS / 'pipeline.md').partition('## Python without ROS')[2]
+    names = {'path': tmp_path / 'cracked', 'file': next(tmp_path.glob('cracked/*.mcap'))}
+    for code in re.findall(r'```python\n(.*?)```', section, re.DOTALL):
+        exec(code, names)
+    assert len(names['force']) == 8 * 51200
+    assert len(names['events']) > 500  # a section each mesh cycle, 567 a second
+    assert 'gear_pair: root_crack severity 0.5\n' in capsys.readouterr().out
 
 
 PLACEHOLDER = re.compile(

@@ -51,3 +51,18 @@ def test_rig_is_launched_in_its_namespace_and_closes(client, domain, tmp_path):
     finally:
         os.killpg(launched.pid, signal.SIGINT)
         assert launched.wait(20) == 0
+
+
+@needs_ros2
+def test_missing_robot_description_is_an_error(domain, tmp_path):
+    done = subprocess.run(
+        ['ros2', 'launch', ROOT / 'launch' / 'description.launch.py', 'urdf:=none.urdf'],
+        cwd=tmp_path,
+        env={**ros_support.environment(domain), 'ROS_LOG_DIR': str(tmp_path)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=120,
+    )
+    assert done.returncode == 1
+    assert "urdf is 'none.urdf': there is no such file" in done.stdout
