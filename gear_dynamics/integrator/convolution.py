@@ -60,6 +60,7 @@ from gear_dynamics.integrator.vector import (
     one_of,
     place,
     spread,
+    vector_of,
 )
 
 _INVERSE = 1.0 / np.arange(1, ORDER + 3)
@@ -70,25 +71,42 @@ _WEIGHTS = np.stack([_INVERSE[1:], _INVERSE[1:] * _INVERSE[:-1]], axis=1).ravel(
 @kernel
 def fold(motion, own):
     """Fill what the orders of the segment do to each column: K_j and C_j, and the offsets."""
-    answers, segment, degree = motion.constants.answers, own.segment, motion.step.degree
-    folded, offsets = own.folded, own.offsets
-    for j in range(degree + 1):
+    answers, folded = motion.constants.answers, own.folded
+    for j in range(motion.step.stiffness_degree + 1):
         for c in range(COLUMNS):
-            f, r, m = answers[TO_FORCE, c], answers[TO_FRICTION, c], answers[TO_MOMENT, c]
-            if c == DELTA:
-                # The lane of delta, which is made from the others, carries the friction force.
-                r = 1.0
-            for row in range(2):
-                folded[j, row * COLUMNS + c] = (
-                    f * segment[SEG_FORCE + row, j]
-                    + r * segment[SEG_FRICTION + row, j]
-                    + m * segment[SEG_MOMENT + row, j]
-                )
-            offsets[j, c] = (
-                f * segment[SEG_FORCE + 2, j]
-                + r * segment[SEG_FRICTION + 2, j]
-                + m * segment[SEG_MOMENT + 2, j]
-            )
+            folded[j, c] = _folded(answers, own.segment, 0, j, c)
+            folded[j, COLUMNS + c] = _folded(answers, own.segment, 1, j, c)
+    for j in range(motion.step.degree + 1):
+        for c in range(COLUMNS):
+            own.offsets[j, c] = _folded(answers, own.segment, 2, j, c)
+
+
+@kernel
+def _folded(answers, segment, row, j, c):
+    """Return what order j of stiffness (row 0), damping (1) or offset (2) does to a column."""
+    # The lane of delta, which is made from the others, carries the friction force.
+    friction = 1.0 if c == DELTA else answers[TO_FRICTION, c]
+    return (
+        answers[TO_FORCE, c] * segment[SEG_FORCE + row, j]
+        + friction * segment[SEG_FRICTION + row, j]
+        + answers[TO_MOMENT, c] * segment[SEG_MOMENT + row, j]
+    )
+
+
+@kernel
+def fold_varying_offset(motion):
+    """Fill the offsets with the push and what varies of the segment's offset.
+
+    With constant stiffness and damping, `recurrence.fill_pushed_orders` takes them as its push.
+    """
+    offsets, push = motion.offsets, motion.push
+    answers, segment = motion.constants.answers, motion.segment
+    for k in range(ROWS):
+        for c in range(COLUMNS):
+            offsets[k, c] = push[k, c] if motion.step.pushed else 0.0
+    for k in range(1, motion.step.degree + 1):
+        for c in range(COLUMNS):
+            offsets[k, c] += _folded(answers, segment, 2, k, c)
 
 
 @kernel
@@ -142,7 +160,7 @@ def expand_by_convolution(motion, own, supports, travel, travel_rate):
         own.error,
         own.orders,
         _WEIGHTS,
-        motion.step.degree + 1,
+        motion.step.stiffness_degree + 1,
         supports,
         travel,
         travel_rate,
@@ -256,17 +274,17 @@ def _generate(builder: Any, data: list[Any], counts: list[Any], grows: list[Any]
 
 def _sum_over_orders(builder: Any, k: Any, count: Any, rows: Any, start: Any, factors: Any) -> Any:
     """Return start plus the sum over j < count, j <= k of two rows times their factors at k - j."""
-    total = cgutils.alloca_once_value(builder, start)
+    # A sum for each factor, so that two chains of additions run side by side.
+    totals = [cgutils.alloca_once_value(builder, value) for value in (start, vector_of(0.0))]
     reachable = ahead(builder, k, 1, 1)
     fewer = builder.icmp_signed('<', count, reachable)
     with cgutils.for_range(builder, builder.select(fewer, count, reachable)) as loop:
         at = builder.sub(k, loop.index)
-        value = builder.load(total)
         for i, factor in enumerate(factors(at)):
             row = load(builder, rows, ahead(builder, loop.index, 2 * LANES, LANES * i))
-            value = multiply_add(builder, row, factor, value)
-        builder.store(value, total)
-    return builder.load(total)
+            value = multiply_add(builder, row, factor, builder.load(totals[i]))
+            builder.store(value, totals[i])
+    return builder.fadd(*(builder.load(total) for total in totals))
 
 
 def _lane(builder: Any, vector: Any, lane: int = 0) -> Any:

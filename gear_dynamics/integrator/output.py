@@ -63,6 +63,17 @@ def operate(segment, row, degree, t, delta, delta_dot):
 
 
 @kernel
+def _force_at(segment, row, stiffness_degree, degree, t, delta, delta_dot):
+    """Return what `operate` does, where stiffness and damping may be constant."""
+    if stiffness_degree > 0:
+        return operate(segment, row, degree, t, delta, delta_dot)
+    offset = 0.0
+    for j in range(degree, -1, -1):
+        offset = offset * t + segment[row + 2, j]
+    return segment[row, 0] * delta + segment[row + 1, 0] * delta_dot + offset
+
+
+@kernel
 def _within_turn(angle):
     """Return an angle in [0, 2 pi)."""
     if angle < 0 or angle >= TURN:
@@ -86,6 +97,7 @@ def write_due_samples(motion, whole_every, out, first):
     fill_values(motion.series, motion.rates, motion.times, values)
     # Into locals, since a store into `out` might otherwise be taken to change them.
     degree, segment, th1_psi = step.degree, motion.segment, p.th1_psi
+    varying = step.stiffness_degree
     sample, speed, accel = motion.sampling.sample, motion.commands.speed, motion.commands.accel
     force_k, force_c, force_o = segment[0, 0], segment[1, 0], segment[2, 0]
     rub_k, rub_c, rub_o = segment[3, 0], segment[4, 0], segment[5, 0]
@@ -96,8 +108,8 @@ def write_due_samples(motion, whole_every, out, first):
             force = force_k * delta + force_c * delta_dot + force_o
             friction = rub_k * delta + rub_c * delta_dot + rub_o
         else:
-            force = operate(segment, SEG_FORCE, degree, tau, delta, delta_dot)
-            friction = operate(segment, SEG_FRICTION, degree, tau, delta, delta_dot)
+            force = _force_at(segment, SEG_FORCE, varying, degree, tau, delta, delta_dot)
+            friction = _force_at(segment, SEG_FRICTION, varying, degree, tau, delta, delta_dot)
         out[row, AX1], out[row, AY1] = values[X1, i], values[Y1, i]
         out[row, AX2], out[row, AY2] = values[X2, i], values[Y2, i]
         out[row, FORCE], out[row, FRICTION] = force, friction

@@ -195,7 +195,7 @@ def fill_pushed_orders(
         _put_next(answers, segment, error, k, weights, more, series)
         rubs = segment[SEG_FRICTION : SEG_FRICTION + 3, 0]
         friction[k] = rubs[0] * series[k, DELTA] + rubs[1] * (k + 1) * series[k + 1, DELTA]
-        friction[k] += rubs[2] if k == 0 else 0.0
+        friction[k] += push[k, DELTA] + (rubs[2] if k == 0 else 0.0)
 
 
 def fill_convolved_orders(

@@ -60,14 +60,14 @@ whether deviations act on the pair in this step, flank errors among them."""
 STEP = np.dtype(
     _fields(
         'begin length edge travel smallest',
-        'ending degree pushed rated unsettled tiny_steps ported jumpy',
+        'ending degree stiffness_degree pushed rated unsettled tiny_steps ported jumpy',
     )
 )
 """The present step: begin [s since the origin of time], length [s], the mesh phase that may end it,
-how fast the arms grow [m/s], the shortest step so far; why it ends, the degree of its segment,
-whether signals push the bodies, whether the rates of its samples are there. unsettled: contact
-states may have jumped where it begins. ported: whether there are ports; jumpy: whether flank
-errors, transmission error or backlash may jump at an event."""
+how fast the arms grow [m/s], the shortest step so far; why it ends, the degree of its segment, that
+of stiffness and damping in it, whether signals push the bodies, whether the rates of its samples
+are there. unsettled: contact states may have jumped where it begins. ported: whether there are
+ports; jumpy: whether flank errors, transmission error or backlash may jump at an event."""
 
 SAMPLING = np.dtype(_fields('sample_rate section_phase', 'sample origin section_cycle'))
 """origin: the sample at the origin of time, which moves on once a second, so that times keep their
@@ -165,7 +165,7 @@ MOTION = _in_cache_lines(
         'tangent': (TANGENT, ()),
         'pairs': (np.float64, (TOOTH_PAIRS, PAIR_ROWS, ROWS)),
         'pair_degree': (np.int64, (TOOTH_PAIRS,)),
-        'scratch': (np.float64, (6, 2 * ROWS)),
+        'scratch': (np.float64, (7, 2 * ROWS)),
         'events': (EVENTS, (EVENT_ROOM,)),
     }
 )

@@ -179,15 +179,18 @@ def _generate_orders(context: Any, builder: Any, kinds: Any, arguments: Any, pus
     )
     orders = first_orders(builder, state_data, error_data)
     friction: list[Any] = []
+    pushes = [load(builder, push_data[0], LANES * k) for k in range(ROWS - 2)] if pushed else []
     for k in range(ROWS - 2):
         now, following = orders[k], orders[k + 1]
         more = [(offsets, vector_of(1.0))] if k == 0 else []
         more += [(to_load, loads[k])] if k < 2 else []
-        more += [(vector_of(1.0), load(builder, push_data[0], LANES * k))] if pushed else []
+        more += [(vector_of(1.0), pushes[k])] if pushed else []
         more += [(grows[j], friction[k - 1 - j]) for j in (1, 0) if k - 1 - j >= 0]
         weights = vector_of(1 / (k + 2)), vector_of(1 / ((k + 1) * (k + 2)))
         row = _following(builder, terms, weights, now, following, more)
         rubs = multiply_add(builder, rub_k, now.delta, rub_o if k == 0 else None)
+        if pushed:
+            rubs = builder.fadd(rubs, one_of(builder, pushes[k], DELTA))
         damping = builder.fmul(rub_c, vector_of(k + 1.0))
         friction.append(multiply_add(builder, damping, following.delta, rubs))
         orders.append(delta_of(builder, row, number_at(builder, error_data, k + 2)))
@@ -202,10 +205,10 @@ def fill_orders(
 ):
     """Fill a series.
 
-    answers : (ANSWERS, 8) array; segment : (SEGMENT, WIDTH) array, of degree 0; travel [m/s],
-    travel_rate [m/s2]; torque [N m] and its rate [N m/s]: load side torque; state : (STATES,) array
-    with room for one number more; error : array whose row 0 is the series of the transmission
-    error; series : (ROWS, 8) array.
+    answers : (ANSWERS, 8) array; segment : (SEGMENT, WIDTH) array, of which order 0 is used;
+    travel [m/s], travel_rate [m/s2]; torque [N m] and its rate [N m/s]: load side torque; state :
+    (STATES,) array with room for one number more; error : array whose row 0 is the series of the
+    transmission error; series : (ROWS, 8) array.
     """
 
     def generate(context, builder, signature, arguments):
@@ -233,7 +236,8 @@ def fill_pushed_orders(
 ):
     """Fill a series as `fill_orders` does, with accelerations besides.
 
-    push : (ROWS, 8) array, the series of these accelerations.
+    push : (ROWS, 8) array, the series of these accelerations; column DELTA has what is added to the
+    friction force.
     """
 
     def generate(context, builder, signature, arguments):

@@ -26,9 +26,9 @@ from gear_dynamics.integrator.signals import fill_signals
 from gear_dynamics.integrator.tables import unpack
 from gear_dynamics.integrator.tooth_pairs import look_up
 
-_STIFFNESS, _DAMPING, _LIFT, _RATE, _FRICTION, _OFFSET = range(6)
+_STIFFNESS, _DAMPING, _LIFT, _RATE, _FRICTION, _OFFSET, _RUBBED = range(7)
 """Rows of the scratch, of one tooth pair: k_i, c_i, e_i + flank b and its rate, flank lambda mu_i,
-and the offset of the force."""
+the offset of the force, and one of the three times flank lambda mu_i."""
 
 
 @kernel
@@ -71,7 +71,7 @@ def fill_mesh(motion, zone):
     deviates = contact.active[0, 0] or (zone.pairs == 2 and contact.active[0, 1])
     if not motion.step.ported or (alike and not deviates and degrees[GAP] < 0 and degrees[MU] < 0):
         return _fill_healthy(motion, zone)
-    degree = 0
+    degree = motion.step.stiffness_degree = 0
     motion.segment[:] = 0.0
     for ahead in range(zone.pairs):
         degree = max(degree, _add_pair(motion, zone, ahead))
@@ -82,6 +82,7 @@ def fill_mesh(motion, zone):
 def _fill_healthy(motion, zone):
     """Fill the segment with pairs that have the same delta_i, and so the same contact state."""
     p, segment, phase = motion.constants, motion.segment, motion.phase.phase
+    motion.step.stiffness_degree = 0
     contact = motion.contact.state[0, 0]
     stiffness, damping = _pair_forces(p, zone, contact)
     offset = -stiffness * contact * p.b
@@ -126,20 +127,25 @@ def _fill_pair(motion, zone, ahead):
 @kernel
 def _add_pair(motion, zone, ahead):
     """Add one tooth pair to the segment; return the degree of what it adds."""
-    p, segment, s = motion.constants, motion.segment, motion.scratch
+    p, segment, s, step = motion.constants, motion.segment, motion.scratch, motion.step
     k, c, lift, rate, mu = _fill_pair(motion, zone, ahead)
     offset = add_product(s[_OFFSET], -1, s[_STIFFNESS], k, s[_LIFT], lift, -1.0, WIDTH)
     offset = add_product(s[_OFFSET], offset, s[_DAMPING], c, s[_RATE], rate, -1.0, WIDTH)
     arm = p.arm1 + (motion.phase.phase + ahead) * p.pitch
+    rubs = mu > 0 or s[_FRICTION, 0] != 0.0
     degree = 0
     for row in range(3):
         source = _STIFFNESS if row == 0 else _DAMPING if row == 1 else _OFFSET
         size = k if row == 0 else c if row == 1 else offset
         for j in range(size + 1):
             segment[SEG_FORCE + row, j] += s[source, j]
-        for to, factor in ((SEG_FRICTION, 1.0), (SEG_MOMENT, arm)):
-            add_product(
-                segment[to + row], WIDTH - 1, s[_FRICTION], mu, s[source], size, factor, WIDTH
-            )
-        degree = max(degree, min(mu + size, WIDTH - 1))
+        if rubs:
+            last = add_product(s[_RUBBED], -1, s[_FRICTION], mu, s[source], size, 1.0, WIDTH)
+            for j in range(last + 1):
+                segment[SEG_FRICTION + row, j] += s[_RUBBED, j]
+                segment[SEG_MOMENT + row, j] += arm * s[_RUBBED, j]
+            size = max(size, last)
+        degree = max(degree, size)
+        if source != _OFFSET:
+            step.stiffness_degree = max(step.stiffness_degree, size)
     return degree

@@ -16,6 +16,7 @@ from gear_dynamics.integrator.convolution import (
     expand_by_convolution,
     fold,
     fold_supports,
+    fold_varying_offset,
 )
 from gear_dynamics.integrator.kernel import kernel
 from gear_dynamics.integrator.lanes import largest, rough_log2
@@ -86,7 +87,7 @@ def expand(motion):
     # On the load side, with what accelerates the gear there.
     torque = commands.torque + p.ratio * p.inertia2 * commands.accel
     rate = commands.torque_rate
-    if step.degree > 0 or step.pushed == SUPPORTS_CHANGE:
+    if step.stiffness_degree > 0 or step.pushed == SUPPORTS_CHANGE:
         fold(motion, motion)
         add_loads(motion, torque, rate)
         supports = fold_supports(motion, motion) if step.pushed == SUPPORTS_CHANGE else 0
@@ -94,7 +95,10 @@ def expand(motion):
         return
     loads = (step.travel, travel_rate, torque, rate)
     state, error, series, segment = motion.state, motion.error, motion.series, motion.segment
-    if step.pushed:
+    if step.degree > 0:
+        fold_varying_offset(motion)
+        fill_pushed_orders(p.answers, segment, state, error, *loads, motion.offsets, series)
+    elif step.pushed:
         fill_pushed_orders(p.answers, segment, state, error, *loads, motion.push, series)
     else:
         fill_orders(p.answers, segment, state, error, *loads, series)

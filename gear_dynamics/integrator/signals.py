@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from gear_dynamics.integrator.kernel import kernel
 from gear_dynamics.integrator.layout import (
     COLUMNS,
@@ -11,6 +13,7 @@ from gear_dynamics.integrator.layout import (
     LOAD_SIGNAL,
     LONGEST_STEP,
     MOST_RADIANS,
+    ORDER,
     PUSH,
     REST,
     ROWS,
@@ -19,6 +22,8 @@ from gear_dynamics.integrator.layout import (
     SUPPORTED,
 )
 from gear_dynamics.integrator.polynomial import add_product, add_scaled, compose, differentiate
+
+_INVERSE = 1.0 / np.arange(1, ORDER + 3)
 
 _NEGLIGIBLE = 1e-19
 """Of a sine's amplitude: smaller terms of its series end it."""
@@ -57,7 +62,9 @@ def _wave_angle(motion, wave):
         turns = wave.order * elapsed(motion)
         return turn * (turns - math.floor(turns)) + wave.phase, turn * wave.order, 0.0
     # Revolutions and the rest apart, so that an integer order keeps its precision.
-    whole, tooth = phase.cycle // wave.teeth, phase.cycle % wave.teeth
+    # The quotient of whole numbers below 2^53, in floating point: its floor is exact.
+    whole = math.floor(phase.cycle / wave.teeth)
+    tooth = phase.cycle - wave.teeth * whole
     turns = wave.order * whole
     turns = turns - math.floor(turns) + wave.order * (tooth + phase.phase) / wave.teeth
     rate = wave.order * motion.constants.z1 / wave.teeth
@@ -79,11 +86,13 @@ def _add_wave(motion, wave, ramp):
     power, last = 1.0, ROWS - 1 if reach > 0.0 else 0
     for k in range(last + 1):
         scratch[k] = sine
-        sine_next = (rate * cosine + 2 * half_ramp * cosine_before) / (k + 1)
-        cosine_next = -(rate * sine + 2 * half_ramp * sine_before) / (k + 1)
+        factor_rate = rate * _INVERSE[k]
+        factor_ramp = 2 * half_ramp * _INVERSE[k]
+        sine_next = factor_rate * cosine + factor_ramp * cosine_before
+        cosine_next = -(factor_rate * sine + factor_ramp * sine_before)
         sine_before, cosine_before = sine, cosine
         sine, cosine = sine_next, cosine_next
-        power *= reach / (k + 1)
+        power *= reach * _INVERSE[k]
         if power < _NEGLIGIBLE and k >= wave.derivative + 3:
             last = k
             break
@@ -128,6 +137,9 @@ def fill_signals(motion, tables):
     """Fill the series of all signals that are used, and the accelerations that they give."""
     degrees = motion.degrees
     degrees[:] = -1
+    motion.step.pushed = 0
+    if tables.waves.size == 0 and tables.curves.size == 0:
+        return
     for i in range(tables.waves.size):
         wave = tables.waves[i]
         _add_wave(motion, wave, tables.ramps[wave.ramp])
@@ -159,7 +171,8 @@ def _fill_push(motion):
     if not pushed and not supported:
         return 0
     push[:] = 0.0
-    motion.supports[:] = signals[SUPPORT_K : SUPPORT_K + 4]
+    if supported:
+        motion.supports[:] = signals[SUPPORT_K : SUPPORT_K + 4]
     for column in range(SUPPORTED):
         wheel = column // 2
         mass = p.m1 if wheel == 0 else p.m2

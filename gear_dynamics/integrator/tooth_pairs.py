@@ -20,11 +20,15 @@ def look_up(motion, tables, pairs):
         return
     z1 = int(motion.constants.z1)
     z2 = int(motion.constants.z2)
+    tooth1, tooth2 = motion.phase.tooth1, motion.phase.tooth2
     for ahead in range(pairs):
-        number = motion.phase.cycle - ahead
-        _look_up_group(motion, tables, ahead, 0)
-        _look_up_group(motion, tables, ahead, 1 + number % z1)
-        _look_up_group(motion, tables, ahead, 1 + z1 + number % z2)
+        for group in (0, 1 + tooth1, 1 + z1 + tooth2):
+            # Most teeth have none: not even the call, which copies the tables' addresses.
+            if tables.teeth[group] < tables.teeth[group + 1]:
+                _look_up_group(motion, tables, ahead, group)
+        # The pair before: the teeth before, without a division.
+        tooth1 = tooth1 - 1 if tooth1 > 0 else z1 - 1
+        tooth2 = tooth2 - 1 if tooth2 > 0 else z2 - 1
 
 
 @kernel

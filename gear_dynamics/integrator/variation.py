@@ -39,7 +39,7 @@ from gear_dynamics.integrator.recurrence import (
     TO_MOMENT,
     fill_orders,
 )
-from gear_dynamics.integrator.series import arm_growth, polynomial
+from gear_dynamics.integrator.series import arm_growth
 from gear_dynamics.integrator.signals import SUPPORTS_CHANGE
 
 _BODIES = 5
@@ -75,7 +75,7 @@ def advance_vectors(motion, vectors):
         supports = 0
         if motion.step.pushed == SUPPORTS_CHANGE:
             supports = fold_supports(motion, motion.tangent)
-        if motion.step.degree > 0 or supports > 0:
+        if motion.step.stiffness_degree > 0 or supports > 0:
             fold(motion, motion.tangent)
         for row in range(vectors.shape[0]):
             _advance_vector(motion, part, supports, travel, travel_rate, vectors[row])
@@ -122,7 +122,7 @@ def _advance_vector(motion, h, supports, travel, travel_rate, vector):
     state[:] = 0.0
     for j in range(_BODIES):
         state[j], state[VELOCITY + j] = vector[j], vector[_BODIES + j] * wn
-    if motion.step.degree > 0 or supports:
+    if motion.step.stiffness_degree > 0 or supports:
         expand_by_convolution(motion, tangent, supports, travel, travel_rate)
     else:
         answers, loads = motion.constants.answers, (travel, travel_rate, 0.0, 0.0)
@@ -186,9 +186,12 @@ def damping_at_end(motion, out):
     """Fill `out` with the damping of F, Ff and the moment at the end of the present step."""
     t, segment = motion.step.length, motion.segment
     travel, travel_rate = arm_growth(motion)
-    out[0] = polynomial(segment, SEG_FORCE + 1, t)[0]
-    out[1] = polynomial(segment, SEG_FRICTION + 1, t)[0]
-    out[2] = polynomial(segment, SEG_MOMENT + 1, t)[0] + (travel + travel_rate * t) * t * out[1]
+    for i, row in enumerate((SEG_FORCE, SEG_FRICTION, SEG_MOMENT)):
+        # Not beyond the degree, where another step's coefficients may stand.
+        out[i] = 0.0
+        for j in range(motion.step.stiffness_degree, -1, -1):
+            out[i] = out[i] * t + segment[row + 1, j]
+    out[2] += (travel + travel_rate * t) * t * out[1]
 
 
 @kernel

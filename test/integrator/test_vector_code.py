@@ -144,7 +144,6 @@ def test_recurrence(rng):
     answers, segment, state, error = machine(rng)
     numbers = tuple(rng.standard_normal(4))
     push = rng.standard_normal((ROWS, 8))
-    push[:, DELTA] = 0.0
     empty = np.zeros((ROWS, 8))
     assert_alike(recurrence, 'fill_orders', [answers, segment, state, error, *numbers], empty, 1e-9)
     pushed = [answers, segment, state, error, *numbers, push]
