@@ -23,7 +23,6 @@ from gear_dynamics.integrator.layout import (
 )
 from gear_dynamics.integrator.polynomial import add_product, add_scaled, differentiate
 from gear_dynamics.integrator.signals import fill_signals
-from gear_dynamics.integrator.tables import unpack
 from gear_dynamics.integrator.tooth_pairs import look_up
 
 _STIFFNESS, _DAMPING, _LIFT, _RATE, _FRICTION, _OFFSET, _RUBBED = range(7)
@@ -54,9 +53,8 @@ def fill_segment(motion, zones, ports):
     motion.step.edge = zone.end
     if not motion.step.ported:
         return _fill_healthy(motion, zone)
-    tables = unpack(ports)
-    fill_signals(motion, tables)
-    look_up(motion, tables, zone.pairs)
+    fill_signals(motion, ports)
+    look_up(motion, ports, zone.pairs)
     return fill_mesh(motion, zone)
 
 

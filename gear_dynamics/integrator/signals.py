@@ -22,6 +22,7 @@ from gear_dynamics.integrator.layout import (
     SUPPORTED,
 )
 from gear_dynamics.integrator.polynomial import add_product, add_scaled, compose, differentiate
+from gear_dynamics.integrator.tables import unpack
 
 _INVERSE = 1.0 / np.arange(1, ORDER + 3)
 
@@ -133,9 +134,9 @@ def _add_curve(motion, curve, pieces, ramp):
 
 
 @kernel
-def fill_signals(motion, tables):
+def fill_signals(motion, ports):
     """Fill the series of all signals that are used, and the accelerations that they give."""
-    degrees = motion.degrees
+    tables, degrees = unpack(ports), motion.degrees
     degrees[:] = -1
     motion.step.pushed = 0
     if tables.waves.size == 0 and tables.curves.size == 0:

@@ -8,14 +8,16 @@ from gear_dynamics.integrator.kernel import kernel
 from gear_dynamics.integrator.layout import PAIR_ERROR, PAIR_ROWS, ROWS
 from gear_dynamics.integrator.polynomial import add_scaled, compose
 from gear_dynamics.integrator.signals import strength
+from gear_dynamics.integrator.tables import unpack
 
 
 @kernel
-def look_up(motion, tables, pairs):
+def look_up(motion, ports, pairs):
     """Sum up what holds for each tooth pair in contact; cut the step at the next change of it."""
     contact = motion.contact
     contact.active[0, :] = 0
     contact.flawed[0, :] = 0
+    tables = unpack(ports)
     if tables.pieces.size == 0:
         return
     z1 = int(motion.constants.z1)
@@ -23,18 +25,19 @@ def look_up(motion, tables, pairs):
     tooth1, tooth2 = motion.phase.tooth1, motion.phase.tooth2
     for ahead in range(pairs):
         for group in (0, 1 + tooth1, 1 + z1 + tooth2):
-            # Most teeth have none: not even the call, which copies the tables' addresses.
+            # Most teeth have none: not even the call.
             if tables.teeth[group] < tables.teeth[group + 1]:
-                _look_up_group(motion, tables, ahead, group)
+                _look_up_group(motion, ports, ahead, group)
         # The pair before: the teeth before, without a division.
         tooth1 = tooth1 - 1 if tooth1 > 0 else z1 - 1
         tooth2 = tooth2 - 1 if tooth2 > 0 else z2 - 1
 
 
 @kernel
-def _look_up_group(motion, tables, ahead, group):
+def _look_up_group(motion, ports, ahead, group):
     """Add the pieces of all teeth or of one tooth that hold for a tooth pair."""
-    at, step = motion.phase.phase + ahead, motion.step
+    tables, step = unpack(ports), motion.step
+    at = motion.phase.phase + ahead
     for i in range(tables.teeth[group], tables.teeth[group + 1]):
         piece = tables.pieces[i]
         if at >= piece.end:
