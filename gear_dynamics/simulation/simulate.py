@@ -15,7 +15,7 @@ from gear_dynamics.model.gear_pair import GearPair, checked_pair
 from gear_dynamics.parameters.parameter import ParameterError
 from gear_dynamics.simulation.run import Run
 from gear_dynamics.simulation.simulator import Simulator
-from gear_dynamics.simulation.state import State
+from gear_dynamics.simulation.state import State, checked_state
 
 _BLOCK = 1 << 16
 
@@ -93,7 +93,7 @@ def simulate(
     if initial_state is None:
         simulator = Simulator(pair, faults=faults or (), **sampling, **given)
     else:
-        _refuse_other_sampling(initial_state, sampling)
+        _refuse_other_sampling(checked_state('initial_state', initial_state), sampling)
         simulator = _simulator_of(initial_state)
         new_faults = simulator.faults if faults is None else checked_faults(faults)
         if (checked_pair(pair), new_faults) != (simulator.pair, simulator.faults):

@@ -23,7 +23,7 @@ from gear_dynamics.model.gear_pair import GearPair, checked_pair
 from gear_dynamics.model.ports import HEALTHY, Ports, checked_ports
 from gear_dynamics.parameters.parameter import ParameterError, refuse_unknown_name
 from gear_dynamics.parameters.run_settings import RunSettings
-from gear_dynamics.simulation.state import State, model_ports
+from gear_dynamics.simulation.state import State, checked_state, model_ports
 from gear_dynamics.simulation.stepping import (
     IntegrationError,
     checked_count,
@@ -374,6 +374,7 @@ class Simulator:
         ParameterError
             If the state is of a simulator with other samples or another form of the equations.
         """
+        checked_state('state', state)
         for name in ('sample_rate', 'anti_alias'):
             mine, other = getattr(self.settings, name), getattr(state.settings, name)
             if mine != other:

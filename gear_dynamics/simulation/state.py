@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -105,3 +106,19 @@ class State:
         record['state'][: 2 * COORDINATES + 1] = y[: STATE_Q_SUM + 1]
         place_all_contacts(motion.records)
         return dataclasses.replace(self, motion=motion)
+
+
+def checked_state(name: str, state: Any) -> State:
+    """Return what must be a state.
+
+    Raises
+    ------
+    ParameterError
+        If it is anything else.
+    """
+    if not isinstance(state, State):
+        raise ParameterError(
+            f'{name} is {state!r}: it must be the final_state of a run, or the state() of a '
+            'Simulator'
+        )
+    return state

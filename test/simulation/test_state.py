@@ -7,6 +7,7 @@ from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.ports import Harmonic, Ports, Table, ToothDeviation, smooth_pulse
 from gear_dynamics.parameters.parameter import ParameterError
 from gear_dynamics.simulation.batch import simulate_batch
+from gear_dynamics.simulation.simulate import simulate
 from gear_dynamics.simulation.simulator import Simulator
 
 PORTS = Ports(
@@ -50,6 +51,13 @@ def test_a_state_of_other_samples_is_refused():
         Simulator(GearPair()).set_state(state)
     with pytest.raises(ParameterError, match='anti_alias is False'):
         Simulator(GearPair(), sample_rate=25600.0, anti_alias=False).set_state(state)
+
+
+def test_what_is_no_state_is_refused_by_name():
+    with pytest.raises(ParameterError, match=r'^state is 3: it must be the final_state of a run'):
+        Simulator(GearPair()).set_state(3)
+    with pytest.raises(ParameterError, match=r'^initial_state is '):
+        simulate(GearPair(), duration=0.01, initial_state={})
 
 
 def test_coordinates_can_be_set_at_the_start_alone():
