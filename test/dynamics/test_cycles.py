@@ -46,7 +46,7 @@ def test_sections_are_those_of_the_simulator():
     simulator = gd.Simulator(PAIR, drive=False, anti_alias=False, speed=SPEED, load_torque=TORQUE)
     simulator.advance(5000)
     events = simulator.take_events()
-    sections = events[events['kind'] == 0]
+    sections = events[events['kind'] == gd.EventKind.SECTION]
     run = run_cycles([PAIR], SPEED, TORQUE, len(sections), rtol=1e-6, atol=1e-9)
     # The same steps, and two ways to sum a polynomial: rounding of 50 um and of its rate.
     assert np.allclose(run.sections[0, :, 0], sections['delta'], rtol=0, atol=1e-17)

@@ -18,7 +18,7 @@ from sensor_msgs.msg import PointCloud2  # noqa: E402
 from std_msgs.msg import Float64  # noqa: E402
 
 from gear_dynamics import GearPair  # noqa: E402
-from gear_dynamics.machine.columns import SAMPLE_COLUMNS  # noqa: E402
+from gear_dynamics.machine.columns import SAMPLE_COLUMNS, EventKind  # noqa: E402
 from gear_dynamics.wire.tables import decode_table  # noqa: E402
 
 RATE = 51200.0
@@ -154,7 +154,7 @@ def test_each_block_has_its_events(run):
 
 def test_section_events_come_once_a_mesh_cycle(run):
     begin, end = run.times['start'], run.times['victim killed']
-    section = run.events[run.events['kind'] == 0]
+    section = run.events[run.events['kind'] == EventKind.SECTION]
     section = section[(section['t'] > begin) & (section['t'] < end)]
     assert np.allclose(np.diff(section['t']), 2 * math.pi / (34 * SPEED), rtol=1e-6)
     assert np.allclose(np.diff(section['cycle']), 1)
