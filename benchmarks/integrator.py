@@ -23,6 +23,7 @@ from equations import right_hand_side, runge_kutta_4
 from scipy.integrate import solve_ivp
 
 from gear_dynamics.machine.columns import CHANNELS
+from gear_dynamics.model import faults
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.parameters.run_settings import RunSettings
 from gear_dynamics.simulation.simulate import simulate
@@ -85,6 +86,28 @@ def floor() -> None:
     per_step, per_sample = few / steps, (many - few) / (RATE - 100)
     print(f'  {steps} steps per model second at {per_step * 1e6:.2f} us: {1 / few:.0f} x')
     print(f'  and {per_sample * 1e9:.0f} ns per sample: {1 / many:.0f} x in all')
+
+
+def faulty() -> None:
+    """Print what faults cost, each in turn with the healthy pair, so that other work hits both."""
+    print('Raw, with a fault of severity 0.4: real-time factor over that of the healthy pair')
+    for fault in (
+        faults.RootCrack('pinion', tooth=5, severity=0.4),
+        faults.Spall('gear', tooth=5, severity=0.4),
+        faults.PitchErrors('gear', severity=0.4),
+        faults.Eccentricity('gear', severity=0.4),
+    ):
+        pair = [Simulator(GearPair(), anti_alias=False, faults=each) for each in ((), (fault,))]
+        ratios = []
+        for _ in range(11):
+            costs = []
+            for simulator in pair:
+                begin = time.process_time()
+                simulator.advance(12800)
+                costs.append(time.process_time() - begin)
+                simulator.take_events()
+            ratios.append(costs[0] / costs[1])
+        print(f'  {fault.kind()}: {np.median(ratios):.2f}')
 
 
 def quickest(run: Callable[[], np.ndarray]) -> tuple[float, np.ndarray]:
@@ -216,6 +239,7 @@ def main() -> None:
     arguments = parser.parse_args()
     real_time()
     floor()
+    faulty()
     solvers(arguments.slice)
     conditions()
     memory(arguments.minutes)
