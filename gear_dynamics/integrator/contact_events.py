@@ -100,15 +100,41 @@ def _fill_held(motion, ahead):
 
 
 @kernel
+def _upper_bound(terms, degree, h):
+    """Return a bound from above of a polynomial from time 0 to h."""
+    varying = 0.0
+    for k in range(degree, 0, -1):
+        varying = (varying + abs(terms[k])) * h
+    return terms[0] + varying
+
+
+@kernel
+def _highest_lift(motion, ahead):
+    """Return a bound, over the step, of what flank error and backlash add to the drive edge."""
+    lift, h = 0.0, motion.step.length
+    if motion.contact.flawed[0, ahead]:
+        lift += _upper_bound(motion.pairs[ahead, PAIR_ERROR], motion.pair_degree[ahead], h)
+    if motion.degrees[GAP] >= 0:
+        lift += _upper_bound(motion.signals[GAP], motion.degrees[GAP], h)
+    return lift
+
+
+@kernel
 def _pair_change(motion, ahead, entered):
     """Return when the contact of pair A (ahead 0) or B (ahead 1) changes, and its next state."""
     b, held, state = motion.constants.b, motion.error, motion.contact.state[0, ahead]
+    length = motion.step.length
+    if state == DRIVE and motion.step.ported:
+        # Most steps stay above the edge at its highest, and need no look at how it moves.
+        highest = b + _highest_lift(motion, ahead)
+        if delta_stays_above(motion.series, length, highest):
+            return math.inf, state
     high, low = _fill_held(motion, ahead)
     if entered:
         found = flank_in_contact(held[high, 0], held[high, 1], held[low, 0], held[low, 1], b)
         if found != state:
             return -1.0, found
-    return first_change(held, high, low, motion.step.length, state, b, motion.parts)
+    return first_change(held, high, low, length, state, b, motion.parts)
 
 
 @kernel

@@ -137,7 +137,12 @@ def _add_pair(motion, zone, ahead):
         size = k if row == 0 else c if row == 1 else offset
         for j in range(size + 1):
             segment[SEG_FORCE + row, j] += s[source, j]
-        if rubs:
+        if rubs and mu == 0:
+            for j in range(size + 1):
+                rubbed = s[_FRICTION, 0] * s[source, j]
+                segment[SEG_FRICTION + row, j] += rubbed
+                segment[SEG_MOMENT + row, j] += arm * rubbed
+        elif rubs:
             last = add_product(s[_RUBBED], -1, s[_FRICTION], mu, s[source], size, 1.0, WIDTH)
             for j in range(last + 1):
                 segment[SEG_FRICTION + row, j] += s[_RUBBED, j]
