@@ -36,6 +36,7 @@ TOPICS = {
     '/gear_pair/poincare': 'sensor_msgs/msg/PointCloud2',
     '/gear_pair/condition': CONDITION,
     '/gear_pair/configuration': 'std_msgs/msg/String',
+    '/gear_pair/label': CONDITION,
     '/gear_pair/cmd/torque': 'std_msgs/msg/Float64',
     '/diagnostics': CONDITION,
 }

@@ -155,7 +155,12 @@ def test_friction_switched_off_and_on():
     assert np.any(simulator.advance(500)['friction_force'] != 0)
 
 
-OTHER = {'stiffness_ratio': 1.7, 'tip_relief_shape': 'parabolic', 'friction_model': 'xu_kahraman'}
+OTHER = {
+    'stiffness_ratio': 1.7,
+    'tip_relief_shape': 'parabolic',
+    'friction_model': 'xu_kahraman',
+    'support_model': 'rigid',
+}
 OTHER |= dict.fromkeys(
     ('stiffness_harmonics', 'stiffness_table', 'transmission_error_harmonics'), '1 1e-6 0'
 )
