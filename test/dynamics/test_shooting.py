@@ -84,7 +84,7 @@ def test_impacting_orbit_is_that_of_an_independent_shooting():
     x, v = system.section(orbit.points)[0]
     for _ in range(3):
         end = cycle_by_scipy(w, x, v)
-        step = 1e-6
+        step = 1e-5
         jacobian = np.stack(
             [(cycle_by_scipy(w, x + step, v) - cycle_by_scipy(w, x - step, v)) / (2 * step),
              (cycle_by_scipy(w, x, v + step) - cycle_by_scipy(w, x, v - step)) / (2 * step)],
@@ -92,7 +92,7 @@ def test_impacting_orbit_is_that_of_an_independent_shooting():
         )  # fmt: skip
         x, v = np.array([x, v]) + np.linalg.solve(np.eye(2) - jacobian, end - [x, v])
     assert system.section(orbit.points)[0] == pytest.approx([x, v], abs=1e-8)
-    # Differences over 1e-6 of what SciPy has to 1e-10 or better.
+    # Differences over 1e-5 of what SciPy has to 1e-10, or to 1e-9 in older releases.
     for expected in np.linalg.eigvals(jacobian):
         assert np.abs(orbit.multipliers - expected).min() < 1e-4
 

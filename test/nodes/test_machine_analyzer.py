@@ -3,6 +3,9 @@
 import dataclasses
 
 import pytest
+
+pytest.importorskip('rclpy')
+
 import ros_support
 
 from gear_dynamics.bag.reader import read_log
