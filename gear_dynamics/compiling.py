@@ -118,7 +118,8 @@ def interruptible() -> Iterator[None]:
     finally:
         if came and timed:
             signal.setitimer(signal.ITIMER_REAL, 0)
-        sys.unraisablehook = report
+        if not came:  # what was left half made is reported when it is freed, which may be later
+            sys.unraisablehook = report
         for number, handler in zip(numbers, handlers, strict=True):
             signal.signal(number, handler)
     if came:

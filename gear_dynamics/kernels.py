@@ -50,8 +50,9 @@ def kernel(function: Callable | None = None, **options: Any) -> Any:
     compiled = numba.njit(error_model='numpy', **options)(function)
     try:
         compiled._cache = _KernelCache(function)
-    except RuntimeError:  # no folder can be written
-        _warn_of_no_folder()
+    except RuntimeError:  # no folder can be written, or it is not of this package
+        if Path(function.__code__.co_filename).resolve().is_relative_to(ROOT):
+            _warn_of_no_folder()
     return compiled
 
 

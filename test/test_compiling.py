@@ -1,7 +1,9 @@
 import ctypes
+import gc
 import importlib.util
 import os
 import signal
+import sys
 import threading
 import time
 
@@ -32,6 +34,26 @@ def test_a_signal_within_a_callback_of_the_compiler_ends_it_too(capfd):
         long_compiler()
     with pytest.raises(compiling.Interrupted), compiling.interruptible():
         callback()
+    assert capfd.readouterr().err == ''
+
+
+def test_what_a_signal_left_half_made_is_not_reported_when_it_is_freed_later(capfd, monkeypatch):
+    monkeypatch.setattr(sys, 'unraisablehook', sys.__unraisablehook__)
+
+    class HalfMade:
+        def __init__(self):
+            os.kill(os.getpid(), signal.SIGTERM)
+            time.sleep(10)
+            self.handle = 1
+
+        def __del__(self):
+            del self.handle
+
+    # The traceback keeps the object until the block is left.
+    with pytest.raises(compiling.Interrupted) as held, compiling.interruptible():
+        HalfMade()
+    del held
+    gc.collect()
     assert capfd.readouterr().err == ''
 
 

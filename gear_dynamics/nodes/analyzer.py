@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import collections
 import functools
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
+import numpy as np
 from rclpy.node import Node
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
@@ -49,8 +51,15 @@ NAME = 'gear_analyzer'
 
 ABOUT = 'Analyses the stream of gear_pair/samples and logs the topics of the rig to MCAP.'
 
+Add = Callable[[int, np.ndarray], list[Result]]
+"""What takes a table into the analysis: its stamp [ns] and its rows."""
+
 _RIG = rig_machine(34, 59, 1.0, 1.0, 1.0, 1.0)
 """Names of channels and wheels, before a configuration tells the rest."""
+
+
+EARLY = 200
+"""Tables that may wait for the configuration; of more the oldest is passed over."""
 
 
 class Analyzer:
@@ -71,6 +80,7 @@ class Analyzer:
         self._drops = 0
         self._rate = float('inf')
         self._pass = 1
+        self._early: collections.deque[tuple[Add, Table]] = collections.deque()
         self._make_publishers(settings)
         tasks = {
             'stream': self._health.stream,
@@ -151,20 +161,32 @@ class Analyzer:
             self._publish(self._monitor.begin_again('replay begins again'))
         self._monitor.configure(rig)
         self._rate = rig.sample_rate
+        while self._early:
+            add, table = self._early.popleft()
+            self._publish(add(table.stamp_ns, table.rows))
 
     def _on_block(self, data: bytes) -> None:
         with self._health.block():
             table = self._decoded(SAMPLES, data)
             if table is not None:
                 self._log.stream_reached(table.stamp_ns, len(table.rows) / self._rate)
-                self._publish(self._monitor.add_block(table.stamp_ns, table.rows))
+                self._analyse(self._monitor.add_block, table)
             self._warn_of_drops()
 
     def _on_events(self, data: bytes) -> None:
         table = self._decoded(EVENTS_TOPIC, data)
         if table is not None:
-            self._publish(self._monitor.add_events(table.stamp_ns, table.rows))
+            self._analyse(self._monitor.add_events, table)
         self._warn_of_drops()
+
+    def _analyse(self, add: Add, table: Table) -> None:
+        """Analyse a table; one that overtook the first configuration waits for it."""
+        if not self._monitor.health.configured:
+            self._early.append((add, table))
+            if len(self._early) <= EARLY:
+                return
+            add, table = self._early.popleft()  # the monitor counts it
+        self._publish(add(table.stamp_ns, table.rows))
 
     def _decoded(self, topic: Topic, data: bytes) -> Table | None:
         """Log the bytes, and return the table that they hold."""
