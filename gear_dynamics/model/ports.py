@@ -19,6 +19,7 @@ come fade in, linearly in time. A term that is in both sets does not change.
 
 from __future__ import annotations
 
+import abc
 import dataclasses
 from collections.abc import Iterable, Iterator
 from typing import Any
@@ -63,7 +64,7 @@ the x and the y direction alike.
 TOOTH_QUANTITIES = ('stiffness', 'damping', 'error', 'friction')
 
 
-class Term:
+class Term(abc.ABC):
     """A term of `Ports`: equal to another one if every field is."""
 
     def _key(self) -> tuple[Any, ...]:
@@ -79,13 +80,13 @@ class Term:
         return hash(self._key())
 
     @property
+    @abc.abstractmethod
     def is_zero(self) -> bool:
         """Whether the term adds nothing."""
-        raise NotImplementedError
 
+    @abc.abstractmethod
     def scaled(self, factor: float) -> Term:
         """Return the term times a factor."""
-        raise NotImplementedError
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

@@ -27,7 +27,7 @@ class Health:
     blocks : int
         Blocks analysed.
     waiting : int
-        Blocks that came before the configuration.
+        Blocks that were dropped because no configuration had come.
     gaps, missing : int
         Gaps between blocks, and samples missing in them.
     restarts : Restarts

@@ -7,6 +7,7 @@ list it in `catalogue`.
 
 from __future__ import annotations
 
+import abc
 import dataclasses
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
@@ -108,7 +109,7 @@ class Finding:
     tables: Mapping[str, np.ndarray] = dataclasses.field(default_factory=dict)
 
 
-class Task:
+class Task(abc.ABC):
     """Base of the tasks.
 
     Attributes
@@ -122,11 +123,11 @@ class Task:
     indicators: tuple[Indicator, ...] = ()
     seconds: float = 0.0
 
+    @abc.abstractmethod
     def push(self, batch: Batch) -> Iterable[Finding]:
         """Take the next samples; yield what is complete."""
-        raise NotImplementedError
 
-    def restart(self) -> None:
+    def restart(self) -> None:  # noqa: B027 (not every task has a span)
         """Begin the span anew with the next batch: a new operating state has settled."""
 
 

@@ -58,8 +58,8 @@ _RIG = rig_machine(34, 59, 1.0, 1.0, 1.0, 1.0)
 """Names of channels and wheels, before a configuration tells the rest."""
 
 
-EARLY = 200
-"""Tables that may wait for the configuration; of more the oldest is passed over."""
+MOST_EARLY, LARGEST_EARLY = 200, 32 << 20
+"""Tables that may wait for the configuration, and their bytes; of more the oldest are dropped."""
 
 
 class Analyzer:
@@ -181,12 +181,14 @@ class Analyzer:
 
     def _analyse(self, add: Add, table: Table) -> None:
         """Analyse a table; one that overtook the first configuration waits for it."""
-        if not self._monitor.health.configured:
-            self._early.append((add, table))
-            if len(self._early) <= EARLY:
-                return
-            add, table = self._early.popleft()  # the monitor counts it
-        self._publish(add(table.stamp_ns, table.rows))
+        if self._monitor.health.configured:
+            self._publish(add(table.stamp_ns, table.rows))
+            return
+        early = self._early
+        early.append((add, table))
+        while len(early) > MOST_EARLY or sum(each.rows.nbytes for _, each in early) > LARGEST_EARLY:
+            add, table = early.popleft()
+            add(table.stamp_ns, table.rows)  # counted, as nothing is configured
 
     def _decoded(self, topic: Topic, data: bytes) -> Table | None:
         """Log the bytes, and return the table that they hold."""

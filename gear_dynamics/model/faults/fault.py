@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import abc
 import dataclasses
 import re
 from typing import Any, ClassVar, NamedTuple
@@ -45,7 +46,7 @@ def tooth_parameter() -> Any:
 
 
 @dataclasses.dataclass(frozen=True)
-class Fault(ParameterSet):
+class Fault(ParameterSet, abc.ABC):
     """A fault: how a gear pair departs from the healthy one.
 
     Frozen; a subclass has `severity`, `wheel` and `tooth` where they apply, what its severity 1
@@ -61,9 +62,9 @@ class Fault(ParameterSet):
     """Whether its ports depend on the operating point."""
 
     @property
+    @abc.abstractmethod
     def severity(self) -> float:
         """From 0, healthy, to 1; a field of every fault."""
-        raise NotImplementedError
 
     def __post_init__(self) -> None:
         tooth = getattr(self, 'tooth', 0)
@@ -103,8 +104,9 @@ class Fault(ParameterSet):
             return HEALTHY
         return self._ports(pair, operation or Operation())
 
+    @abc.abstractmethod
     def _ports(self, pair: GearPair, operation: Operation) -> Ports:
-        raise NotImplementedError
+        """Return what the fault does at a severity above 0."""
 
     def orders(self, pair: GearPair) -> tuple[float, ...]:
         """Return the orders of the pinion shaft at which the fault shows, the first one foremost.
