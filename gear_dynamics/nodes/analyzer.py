@@ -28,7 +28,7 @@ from gear_dynamics.nodes.diagnostics import Diagnostics
 from gear_dynamics.nodes.machine_analyzer import MachineAnalyzer
 from gear_dynamics.nodes.parameters import NodeParameters
 from gear_dynamics.nodes.run import run_node
-from gear_dynamics.nodes.topics import listen, publisher
+from gear_dynamics.nodes.topics import Timed, listen, publisher
 from gear_dynamics.parameters.parameter import ParameterError
 from gear_dynamics.parameters.settings import AnalyzerSettings
 from gear_dynamics.wire.messages import MessageError, deserialize
@@ -120,9 +120,9 @@ class Analyzer:
     def _subscribe(self) -> None:
         self._node.create_service(Trigger, '~/learn', self._learn)
         self._node.create_service(Trigger, '~/acknowledge', self._acknowledge)
-        handlers = {
+        handlers: dict[Topic, Callable[..., None]] = {
             CONFIGURATION: self._on_configuration,
-            SAMPLES: self._on_block,
+            SAMPLES: Timed(self._on_block),
             EVENTS_TOPIC: self._on_events,
             DIAGNOSTICS: self._on_diagnostics,
         }
@@ -152,6 +152,7 @@ class Analyzer:
             self._node.get_logger().error(f'gear_pair/configuration: {error}')
         else:
             self._log.keep_all = rig.real_time_factor == 0
+            self._health.paced = rig.real_time_factor != 0
             self._log.configure(text)
         self._log.write(CONFIGURATION, data)
 
@@ -165,8 +166,8 @@ class Analyzer:
             add, table = self._early.popleft()
             self._publish(add(table.stamp_ns, table.rows))
 
-    def _on_block(self, data: bytes) -> None:
-        with self._health.block():
+    def _on_block(self, data: bytes, waited: float) -> None:
+        with self._health.block(waited):
             table = self._decoded(SAMPLES, data)
             if table is not None:
                 self._log.stream_reached(table.stamp_ns, len(table.rows) / self._rate)

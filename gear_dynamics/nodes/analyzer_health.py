@@ -15,6 +15,9 @@ BINS = 20
 SILENCE = 2.0
 """Seconds without a block after which the stream is said to be silent."""
 
+BEHIND = 1.0
+"""Age of the last analysed block [s] from which the analysis is said to be behind."""
+
 
 class AnalyzerHealth:
     """Reports what came in since the last report, and how long the analysis took.
@@ -23,23 +26,32 @@ class AnalyzerHealth:
     ----------
     health : Health
         The counters of the monitor.
+
+    Attributes
+    ----------
+    paced : bool
+        Whether the stream comes at the pace of a clock. One that comes as fast as its listeners
+        take it always waits for them.
     """
 
     def __init__(self, health: Health) -> None:
+        self.paced = True
         self._health = health
         self._seen = (0, 0)
         self._failures = 0
         self._last_block = -float('inf')
         self._slowest = 0.0
         self._busy = 0.0
+        self._behind = 0.0
 
     @contextlib.contextmanager
-    def block(self) -> Iterator[None]:
-        """Time the work on one block."""
+    def block(self, waited: float) -> Iterator[None]:
+        """Time the work on one block, which has waited for some seconds."""
         begin = time.monotonic()
         yield
         self._last_block = time.monotonic()
         taken = self._last_block - begin
+        self._behind = waited + taken
         self._slowest = max(self._slowest, taken)
         self._busy += taken
 
@@ -86,6 +98,7 @@ class AnalyzerHealth:
             **{f'dropped: {kind}': count for kind, count in health.dropped.items()},
             'slowest_block [s]': self._slowest,
             'busy [s]': self._busy,
+            'behind [s]': self._behind,
         }
         self._slowest = 0.0
         if new_drops:
@@ -94,6 +107,9 @@ class AnalyzerHealth:
             return Report(Level.WARN, f'{new_gaps} gaps since the last report', values)
         if time.monotonic() - self._last_block > SILENCE:
             return Report(Level.WARN, 'no samples are coming', values)
+        if self.paced and self._behind > BEHIND:
+            message = f'the analysis is {self._behind:.3g} s behind the stream'
+            return Report(Level.WARN, message, values)
         if not health.configured:
             return Report(Level.WARN, 'samples come, but no configuration of the rig', values)
         return Report(Level.OK, 'analysing', values)

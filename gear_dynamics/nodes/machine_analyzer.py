@@ -16,7 +16,7 @@ from gear_dynamics.nodes.analyzer_health import AnalyzerHealth
 from gear_dynamics.nodes.analyzer_log import AnalyzerLog
 from gear_dynamics.nodes.condition import condition_bytes
 from gear_dynamics.nodes.diagnostics import Diagnostics
-from gear_dynamics.nodes.topics import listen, publisher
+from gear_dynamics.nodes.topics import Timed, listen, publisher
 from gear_dynamics.parameters.parameter import ParameterError
 from gear_dynamics.parameters.settings import AnalyzerSettings
 from gear_dynamics.wire.tables import TableError, decode_table, encode_table
@@ -59,15 +59,15 @@ class MachineAnalyzer:
         self._samples = dataclasses.replace(SAMPLES, name=_topic(machine), publisher='')
         # Best effort hears reliable publishers as well; the other way round it hears none.
         qos = dataclasses.replace(SAMPLES.qos, reliability='best_effort', depth=1000)
-        listen(node, dataclasses.replace(self._samples, qos=qos), self._on_block)
+        listen(node, dataclasses.replace(self._samples, qos=qos), Timed(self._on_block))
 
     def close(self) -> None:
         """Publish the last diagnostics and finish the log."""
         self._diagnostics.close()
         self._log.close()
 
-    def _on_block(self, data: bytes) -> None:
-        with self._health.block():
+    def _on_block(self, data: bytes, waited: float) -> None:
+        with self._health.block(waited):
             try:
                 table = decode_table(data)
             except TableError as error:

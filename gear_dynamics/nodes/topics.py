@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import importlib
+import inspect
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -78,3 +80,33 @@ def listen(
     elif topic.qos.durability == 'volatile':
         qos.depth = LISTENING_DEPTH
     node.create_subscription(ros_type(topic.type_name), topic.name, take, qos, raw=raw)
+
+
+class Timed:
+    """Callback of a subscription that also says how long a message has waited.
+
+    The executors of rclpy pass on when a message was sent in two ways: as a second argument, or as
+    a pair in place of the first one.
+
+    Parameters
+    ----------
+    take : callable
+        Is given each message and the seconds since it was sent. The least time on the way so far
+        is taken off: it is the difference between the clocks of two computers.
+    """
+
+    __signature__ = inspect.Signature(
+        [inspect.Parameter(name, inspect.Parameter.POSITIONAL_ONLY) for name in ('data', 'info')]
+    )
+
+    def __init__(self, take: Callable[[Any, float], None]) -> None:
+        self._take = take
+        self._least: int | None = None
+
+    def __call__(self, *arguments: Any) -> None:
+        """Pass on a message."""
+        data, info = arguments if len(arguments) == 2 else arguments[0]
+        sent, received = info['source_timestamp'], info['received_timestamp']
+        on_the_way = received - sent
+        self._least = on_the_way if self._least is None else min(self._least, on_the_way)
+        self._take(data, max((time.time_ns() - sent - self._least) / 1e9, 0.0))

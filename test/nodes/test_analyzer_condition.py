@@ -33,6 +33,9 @@ def test_levels_baselines_and_services(domain, client, tmp_path):
         found = values(latest(diagnostics, 'gear_analyzer: condition'))
         assert int(found['judged']) > 0
         assert int(found['not judged: the operating state is settling']) > 0
+        # Four seconds came at once: the last block waited for the others, by the events executor.
+        stream_status = values(latest(diagnostics, 'gear_analyzer: stream'))
+        assert float(stream_status['behind [s]']) > 0
         for service in ('learn', 'acknowledge'):
             answer = client.call(Trigger, f'gear_analyzer/{service}', Trigger.Request())
             assert answer.success, answer.message
