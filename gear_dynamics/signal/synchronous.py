@@ -13,9 +13,9 @@ from gear_dynamics.signal.arguments import positive, real_array, whole_number
 
 
 def checked_average(
-    average: npt.ArrayLike, teeth: int, least: int | None = None
+    average: npt.ArrayLike, teeth: int, least: int | None = None, *, axis: int = 0
 ) -> tuple[np.ndarray, int]:
-    """Return a synchronous average as float64, and the teeth as int.
+    """Return a synchronous average as float64, its points along the first axis, and the teeth.
 
     Raises
     ------
@@ -24,7 +24,7 @@ def checked_average(
         than `least`: two a tooth by default, without which the mesh order is not resolved.
     """
     teeth = whole_number(teeth, 'teeth')
-    array = real_array(average, 'average').astype(float, copy=False)
+    array = real_array(average, 'average', axis).astype(float, copy=False)
     least = 2 * teeth if least is None else least
     if len(array) < least:
         raise ValueError(
@@ -92,16 +92,16 @@ def synchronous_average(values: npt.ArrayLike, points: int, *, axis: int = 0) ->
     return np.moveaxis(complete.mean(axis=0), 0, axis)
 
 
-def below_order(average: npt.ArrayLike, highest: float) -> np.ndarray:
-    """Return an average of one revolution without the orders above `highest`.
+def below_order(average: npt.ArrayLike, highest: float, *, axis: int = 0) -> np.ndarray:
+    """Return an average of one revolution along `axis` without the orders above `highest`.
 
     Above the band in which resampling by angle is accurate an average holds its errors: at a speed
     that fits the sample rate they repeat with the revolution, and no averaging removes them.
     """
-    average = real_array(average, 'average')
+    average = real_array(average, 'average', axis)
     lines = fft.rfft(average, axis=0)
     lines[math.floor(positive(highest, 'highest')) + 1 :] = 0
-    return fft.irfft(lines, len(average), axis=0)
+    return np.moveaxis(fft.irfft(lines, len(average), axis=0), 0, axis)
 
 
 class Parts(NamedTuple):
@@ -125,15 +125,17 @@ class Parts(NamedTuple):
     difference: np.ndarray
 
 
-def separate(average: npt.ArrayLike, teeth: int) -> Parts:
+def separate(average: npt.ArrayLike, teeth: int, *, axis: int = 0) -> Parts:
     """Split a synchronous average as Zakrajsek, Townsend and Decker 1993 (NASA TM 105950) do.
 
     Parameters
     ----------
     average : array_like
-        One revolution of the wheel along the first axis.
+        One revolution of the wheel along `axis`.
     teeth : int
         Of the wheel.
+    axis : int
+        Axis of the points.
 
     Raises
     ------
@@ -141,7 +143,7 @@ def separate(average: npt.ArrayLike, teeth: int) -> Parts:
         If the teeth are no positive whole number, there are fewer than two points a tooth, or a
         value is not finite.
     """
-    average, teeth = checked_average(average, teeth)
+    average, teeth = checked_average(average, teeth, axis=axis)
     lines = fft.rfft(average, axis=0)
     orders = np.arange(len(lines))
     from_harmonic = np.abs(orders - teeth * np.maximum(np.round(orders / teeth), 1))
@@ -155,4 +157,5 @@ def separate(average: npt.ArrayLike, teeth: int) -> Parts:
 
     difference = without(mesh | sidebands)
     vibration = without(constant)
-    return Parts(vibration, vibration - difference, without(mesh), difference)
+    parts = (vibration, vibration - difference, without(mesh), difference)
+    return Parts(*(np.moveaxis(part, 0, axis) for part in parts))

@@ -21,8 +21,9 @@ class ToothEnergy(NamedTuple):
 
     Attributes
     ----------
-    energy : ndarray, shape (teeth, ...)
-        Mean square of the signal from the entry of each tooth to that of the next.
+    energy : ndarray
+        Mean square of the signal from the entry of each tooth to that of the next, one value a
+        tooth along the axis of the points.
     tooth : ndarray of int
         That at which the greatest energy begins: vibration rings on after a fault, never before.
     score : ndarray
@@ -54,7 +55,7 @@ MOST_BEFORE = 2
 """Teeth by which the beginning can lie before the greatest energy."""
 
 
-def tooth_energy(signal: npt.ArrayLike, teeth: int) -> ToothEnergy:
+def tooth_energy(signal: npt.ArrayLike, teeth: int, *, axis: int = 0) -> ToothEnergy:
     """Compare the energy of a signal during the mesh cycle of each tooth with the other teeth.
 
     A healthy wheel has teeth alike: the logarithms of their energies scatter normally, and the
@@ -64,13 +65,15 @@ def tooth_energy(signal: npt.ArrayLike, teeth: int) -> ToothEnergy:
     Parameters
     ----------
     signal : array_like
-        One revolution along the first axis, from the entry of tooth 0 on. The residual suits best:
+        One revolution along `axis`, from the entry of tooth 0 on. The residual suits best:
         the difference signal has lost the first sidebands, and with them a part of the fault, which
         is then missing at all other teeth.
     teeth : int
         4 or more.
+    axis : int
+        Axis of the points.
     """
-    signal, teeth = checked_average(signal, teeth)
+    signal, teeth = checked_average(signal, teeth, axis=axis)
     if teeth < 4:
         raise ValueError(f'teeth is {teeth}: at least 4 are needed to compare them')
     edges = np.round(np.arange(teeth) * len(signal) / teeth).astype(int)
@@ -83,6 +86,7 @@ def tooth_energy(signal: npt.ArrayLike, teeth: int) -> ToothEnergy:
     scatter = 1.4826 * np.median(np.abs(level - median), axis=0)
     score = (level.max(axis=0) - median) / np.maximum(scatter, LEAST_SCATTER)
     chance = np.minimum(teeth * special.stdtr(teeth - 2, -score), 1.0)
+    energy = np.moveaxis(energy, 0, axis)
     return ToothEnergy(energy, _beginning(level, median), score, chance)
 
 

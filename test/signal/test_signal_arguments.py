@@ -6,13 +6,22 @@ import pytest
 import gear_dynamics.signal as gd_signal
 from gear_dynamics.signal import (
     amplitude_spectrum,
+    below_order,
     crest_factor,
+    energy_ratio,
     envelope,
     envelope_orders,
     envelope_spectrum,
     even_pulses,
+    first_sidebands,
+    fm0,
     fm4,
+    has_difference,
     kurtosis,
+    m6a,
+    m8a,
+    mesh_amplitudes,
+    mesh_envelope,
     most_impulsive_band,
     normalised_moment,
     peak,
@@ -24,11 +33,16 @@ from gear_dynamics.signal import (
     rising_edges,
     rms,
     separate,
+    sideband_index,
+    sideband_level_factor,
     skewness,
     spectral_kurtosis,
+    strongest_harmonic,
     synchronous_average,
+    tooth_energy,
     track_speed,
     trigger_level,
+    variance_ratio_kurtosis,
 )
 
 RATE = 12000.0
@@ -41,6 +55,18 @@ REDUCTIONS = (
     kurtosis,
     skewness,
     lambda x, axis: normalised_moment(x, 6, axis),
+    # The rest take X as averages of a revolution of 17 teeth.
+    lambda x, axis: fm0(x, 17, axis=axis),
+    lambda x, axis: fm4(x, axis=axis),
+    lambda x, axis: m6a(x, axis=axis),
+    lambda x, axis: m8a(x, axis=axis),
+    lambda x, axis: variance_ratio_kurtosis(x, 6e7, axis=axis),
+    lambda x, axis: strongest_harmonic(x, 17, axis=axis),
+    lambda x, axis: sideband_index(x, 17, axis=axis),
+    lambda x, axis: sideband_level_factor(x, 17, axis=axis),
+    lambda x, axis: energy_ratio(separate(x, 17, axis=axis), axis=axis),
+    lambda x, axis: has_difference(separate(x, 17, axis=axis), axis=axis),
+    lambda x, axis: tooth_energy(x, 17, axis=axis).score,
 )
 TRANSFORMS = (
     lambda x, axis: envelope(x, RATE, 1000, 3000, axis=axis),
@@ -49,6 +75,12 @@ TRANSFORMS = (
     lambda x, axis: spectral_kurtosis(x, RATE, axis=axis)[1],
     lambda x, axis: synchronous_average(x, 100, axis=axis),
     lambda x, axis: resample_by_phase(x, np.arange(2048) / 20, 16, axis=axis)[1],
+    lambda x, axis: below_order(x, 40, axis=axis),
+    lambda x, axis: separate(x, 17, axis=axis).residual,
+    lambda x, axis: mesh_amplitudes(x, 17, axis=axis),
+    lambda x, axis: mesh_envelope(x, 17, axis=axis),
+    lambda x, axis: first_sidebands(x, 17, axis=axis),
+    lambda x, axis: tooth_energy(x, 17, axis=axis).energy,
 )
 
 
