@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from gear_dynamics.bag.folder import Limits
+from gear_dynamics.bag.folder import LogLimits
 from gear_dynamics.bag.mcap_file import McapFile
-from gear_dynamics.bag.metadata import FileSummary, Topic, write_metadata
+from gear_dynamics.bag.metadata import FileSummary, LoggedTopic, write_metadata
 
 
 class BagWriter:
@@ -47,13 +47,13 @@ class BagWriter:
             self._configurations.append(record)
 
     def write(
-        self, topic: Topic, data: bytes, log_time: int, publish_time: int, sequence: int = 0
+        self, topic: LoggedTopic, data: bytes, log_time: int, publish_time: int, sequence: int = 0
     ) -> None:
         """Append a message; times in ns."""
         file = self._file or self._open()
         file.write(topic, data, log_time, publish_time, sequence)
         self.messages += 1
-        if file.size >= Limits.split_size:
+        if file.size >= LogLimits.split_size:
             self._finish_file(file)
 
     def finish(self) -> None:

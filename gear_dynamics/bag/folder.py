@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from gear_dynamics.bag.mcap_file import CHUNK_SIZE, McapFile
-from gear_dynamics.bag.metadata import FileSummary, Topic, write_metadata
+from gear_dynamics.bag.metadata import FileSummary, LoggedTopic, write_metadata
 from gear_dynamics.portable import free_space, sync_folder
 
 FOLDER_NAME = 'gear_log'
@@ -25,7 +25,7 @@ class LogDeleted(LogStopped):
 
 
 @dataclasses.dataclass(frozen=True)
-class Limits:
+class LogLimits:
     """Limits on the size of a log.
 
     Attributes
@@ -58,7 +58,7 @@ class Limits:
 
 
 class _Latched(NamedTuple):
-    topic: Topic
+    topic: LoggedTopic
     data: bytes
     publish_time: int
 
@@ -77,7 +77,7 @@ class BagFolder:
         Configuration of the run; every file holds it.
     compression : str
         'none', 'lz4' or 'zstd'.
-    limits : Limits
+    limits : LogLimits
         Splitting and disk space.
     name : str
         Begins the name of the folder.
@@ -88,7 +88,7 @@ class BagFolder:
         directory: Path,
         configuration: Mapping[str, str],
         compression: str,
-        limits: Limits,
+        limits: LogLimits,
         name: str = FOLDER_NAME,
     ) -> None:
         self.directory = directory
@@ -166,7 +166,7 @@ class BagFolder:
                 self.path = path
                 return path
 
-    def write(self, topic: Topic, data: bytes, log_time: int, publish_time: int) -> None:
+    def write(self, topic: LoggedTopic, data: bytes, log_time: int, publish_time: int) -> None:
         """Write a message; begin a new file and remove old ones as the limits demand.
 
         Raises
@@ -187,7 +187,7 @@ class BagFolder:
         if file.size != size or file.duration >= self._limits.split_duration * 1e9:
             self._check(file)
 
-    def _repeat_latched(self, file: McapFile, first: Topic, log_time: int) -> None:
+    def _repeat_latched(self, file: McapFile, first: LoggedTopic, log_time: int) -> None:
         """Write what is latched, as arrived with the first message of the file."""
         for latched in self._latched.values():
             if latched.topic.name != first.name:

@@ -13,7 +13,7 @@ from gear_dynamics.bag.channel import ChannelCount, Damage, LogChannel, ReadMess
 from gear_dynamics.bag.log import Log, LogPath, is_samples
 from gear_dynamics.bag.source import McapSource
 from gear_dynamics.machine.configuration import Rig
-from gear_dynamics.wire.tables import Table, TableError, decode_table
+from gear_dynamics.wire.tables import DecodedTable, TableError, decode_table
 
 
 @dataclasses.dataclass(frozen=True)
@@ -207,7 +207,7 @@ def _find_gaps(log: Log, topic: str, period: float, start: int) -> Iterator[Gap]
         expected = table.stamp_ns + len(table.rows) * period * 1e9
 
 
-def _period(table: Table | None, rates: set[float]) -> float | None:
+def _period(table: DecodedTable | None, rates: set[float]) -> float | None:
     """Return the spacing of column t [s].
 
     It is as precise as the float32 that t comes in, unless one of the known rates is meant.
@@ -223,7 +223,7 @@ def _period(table: Table | None, rates: set[float]) -> float | None:
     return next((1 / rate for rate in rates if abs(period * rate - 1) < 1e-5), period)
 
 
-def _table(item: tuple[McapSource, ReadMessage] | None) -> Table | None:
+def _table(item: tuple[McapSource, ReadMessage] | None) -> DecodedTable | None:
     if item is None:
         return None
     try:

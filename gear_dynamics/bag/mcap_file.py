@@ -16,7 +16,7 @@ from mcap.writer import MCAP0_MAGIC
 
 from gear_dynamics.bag.chunk_builder import ChunkBuilder
 from gear_dynamics.bag.mcap_index import McapIndex
-from gear_dynamics.bag.metadata import FileSummary, Topic, bag_information
+from gear_dynamics.bag.metadata import FileSummary, LoggedTopic, bag_information
 from gear_dynamics.portable import WRITE_NEW, sync_data, writev
 
 CHUNK_SIZE = 1 << 20
@@ -59,7 +59,7 @@ class McapFile:
         self._syncing: Future[None] | None = None
         self._synced = 0
         self._sync_start = 0.0
-        self._channels: dict[Topic, Channel] = {}
+        self._channels: dict[LoggedTopic, Channel] = {}
         self._started = False
         self._start = self._end = 0
         builder = RecordBuilder()
@@ -92,7 +92,7 @@ class McapFile:
         return os.fstat(self._file).st_nlink == 0
 
     def write(
-        self, topic: Topic, data: bytes, log_time: int, publish_time: int, sequence: int = 0
+        self, topic: LoggedTopic, data: bytes, log_time: int, publish_time: int, sequence: int = 0
     ) -> None:
         """Append a message; times in ns."""
         if topic not in self._channels:
@@ -105,7 +105,7 @@ class McapFile:
         if self._chunk.size > CHUNK_SIZE:
             self._commit()
 
-    def _register(self, topic: Topic) -> None:
+    def _register(self, topic: LoggedTopic) -> None:
         """Add the channel, and its schema if that is new, to the chunk that holds its messages."""
         key = (topic.type_name, topic.schema_encoding, topic.schema)
         schema = self._index.schemas.get(key)

@@ -44,7 +44,7 @@ class OfferedQos(Qos):
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class Topic:
+class LoggedTopic:
     """A logged topic, as it stands in a channel of an MCAP file and in metadata.yaml.
 
     One object a topic: it is the key under which messages are counted, by identity for speed.
@@ -77,7 +77,7 @@ class Topic:
         return any(p['durability'] == 'transient_local' for p in self.profiles)
 
 
-def published_topic(name: str, type_name: str, qos: OfferedQos) -> Topic:
+def published_topic(name: str, type_name: str, qos: OfferedQos) -> LoggedTopic:
     """Return a topic of a Jazzy type, by absolute name, and by how it is published.
 
     Raises
@@ -88,7 +88,7 @@ def published_topic(name: str, type_name: str, qos: OfferedQos) -> Topic:
     kind = message_type(type_name)
     metadata = {'offered_qos_profiles': qos.text(), 'topic_type_hash': kind.hash}
     definition = kind.definition.encode()
-    return Topic(name, type_name, 'cdr', 'ros2msg', definition, metadata, [qos.profile()])
+    return LoggedTopic(name, type_name, 'cdr', 'ros2msg', definition, metadata, [qos.profile()])
 
 
 @dataclasses.dataclass(frozen=True)
@@ -104,14 +104,14 @@ class FileSummary:
     size : int
         Bytes.
     counts : dict
-        Messages of each `Topic`.
+        Messages of each `LoggedTopic`.
     """
 
     name: str
     start_time: int
     end_time: int
     size: int
-    counts: dict[Topic, int]
+    counts: dict[LoggedTopic, int]
 
     @property
     def messages(self) -> int:
@@ -122,7 +122,7 @@ class FileSummary:
 def bag_information(files: Iterable[FileSummary]) -> dict[str, Any]:
     """Return the content of `rosbag2_bagfile_information`, version 9, of files in order."""
     files = list(files)
-    counts: dict[Topic, int] = {}
+    counts: dict[LoggedTopic, int] = {}
     for file in files:
         for topic, count in file.counts.items():
             counts[topic] = counts.get(topic, 0) + count
@@ -156,7 +156,7 @@ def bag_information(files: Iterable[FileSummary]) -> dict[str, Any]:
     }
 
 
-def _topic_metadata(topic: Topic) -> dict[str, Any]:
+def _topic_metadata(topic: LoggedTopic) -> dict[str, Any]:
     return {
         'name': topic.name,
         'type': topic.type_name,

@@ -8,7 +8,7 @@ from pathlib import Path
 from gear_dynamics.bag.bag_writer import BagWriter
 from gear_dynamics.bag.channel import Damage, LogChannel, LogError
 from gear_dynamics.bag.log import Log, LogPath
-from gear_dynamics.bag.metadata import Topic
+from gear_dynamics.bag.metadata import LoggedTopic
 from gear_dynamics.bag.qos import in_words, read_profiles
 
 
@@ -71,7 +71,7 @@ def recover(path: LogPath, folder: Path, compression: str = 'zstd') -> Recovery:
         for source in log.sources:
             for record in source.configurations():
                 bag.configure(record, int(record['log_time']))
-        topics: dict[LogChannel, Topic] = {}
+        topics: dict[LogChannel, LoggedTopic] = {}
         for _, message in log.messages_as_written():
             topic = topics.get(message.channel)
             if topic is None:
@@ -82,11 +82,11 @@ def recover(path: LogPath, folder: Path, compression: str = 'zstd') -> Recovery:
         return Recovery(folder, bag.messages, tuple(found))
 
 
-def _topic(channel: LogChannel) -> Topic:
+def _topic(channel: LogChannel) -> LoggedTopic:
     metadata = dict(channel.metadata)
     if channel.qos:
         metadata['offered_qos_profiles'] = in_words(channel.qos)
-    return Topic(
+    return LoggedTopic(
         name=channel.topic,
         type_name=channel.type_name,
         encoding=channel.encoding,

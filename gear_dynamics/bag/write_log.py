@@ -15,7 +15,7 @@ import yaml
 from gear_dynamics.bag.bag_writer import BagWriter
 from gear_dynamics.bag.channel import LogError
 from gear_dynamics.bag.chunk_builder import COMPRESSIONS
-from gear_dynamics.bag.metadata import OfferedQos, Topic, published_topic
+from gear_dynamics.bag.metadata import LoggedTopic, OfferedQos, published_topic
 from gear_dynamics.parameters.settings import SimSettings
 from gear_dynamics.simulation.configuration import configuration_text
 from gear_dynamics.simulation.run import Run
@@ -123,6 +123,6 @@ def _sim_settings(run: Run) -> SimSettings:
     return SimSettings(**values)
 
 
-def _logged(topic: topics.Topic) -> Topic:
+def _logged(topic: topics.Topic) -> LoggedTopic:
     qos = OfferedQos(**dataclasses.asdict(topic.qos))
     return published_topic(f'/{topic.name}', topic.type_name, qos)

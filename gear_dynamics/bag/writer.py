@@ -12,8 +12,8 @@ from types import TracebackType
 from typing import Any, NamedTuple
 
 from gear_dynamics.bag.chunk_builder import COMPRESSIONS
-from gear_dynamics.bag.folder import FOLDER_NAME, BagFolder, Limits, LogDeleted, LogStopped
-from gear_dynamics.bag.metadata import OfferedQos, Topic, published_topic
+from gear_dynamics.bag.folder import FOLDER_NAME, BagFolder, LogDeleted, LogLimits, LogStopped
+from gear_dynamics.bag.metadata import LoggedTopic, OfferedQos, published_topic
 
 SYNC_INTERVAL = 0.25
 """Seconds between writes to the disk; a crash loses little more than this."""
@@ -67,7 +67,7 @@ class LogStatus:
 
 
 class _Message(NamedTuple):
-    topic: Topic
+    topic: LoggedTopic
     data: bytes
     log_time: int
     publish_time: int
@@ -103,7 +103,7 @@ class LogWriter:
     compression : str
         'none', 'lz4' or 'zstd', applied per chunk.
     split_size, split_duration, total_cap, free_floor : float
-        See `Limits`.
+        See `LogLimits`.
     name : str
         Begins the name of the folder.
 
@@ -118,19 +118,19 @@ class LogWriter:
         directory: Path,
         configuration: Mapping[str, str],
         compression: str = 'zstd',
-        split_size: float = Limits.split_size,
-        split_duration: float = Limits.split_duration,
-        total_cap: float = Limits.total_cap,
-        free_floor: float = Limits.free_floor,
+        split_size: float = LogLimits.split_size,
+        split_duration: float = LogLimits.split_duration,
+        total_cap: float = LogLimits.total_cap,
+        free_floor: float = LogLimits.free_floor,
         name: str = FOLDER_NAME,
     ) -> None:
         if compression not in COMPRESSIONS:
             raise ValueError(
                 f'compression is {compression!r}: it must be one of {", ".join(COMPRESSIONS)}'
             )
-        limits = Limits(split_size, split_duration, total_cap, free_floor)
+        limits = LogLimits(split_size, split_duration, total_cap, free_floor)
         self._folder = BagFolder(Path(directory), configuration, compression, limits, name)
-        self._topics: dict[tuple[str, str, OfferedQos], Topic] = {}
+        self._topics: dict[tuple[str, str, OfferedQos], LoggedTopic] = {}
         self._queue: collections.deque[_Message | _Change] = collections.deque()
         self._queued_bytes = self._taken = 0
         self._condition = threading.Condition()

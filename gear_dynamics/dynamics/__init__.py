@@ -21,7 +21,7 @@ _EXPORTS = {
     'nearby': ('nearby_growth',),
     'regimes': ('Regime', 'recurrence_period', 'regime'),
     'shooting': ('LONGEST', 'OrbitError', 'PeriodicOrbit', 'periodic_orbit'),
-    'stroboscopic': ('Contact', 'GearMap', 'StroboscopicMap'),
+    'stroboscopic': ('GearMap', 'OrbitContact', 'StroboscopicMap'),
     'tangent': ('first_tangent_vectors', 'free_coordinates'),
     'zero_one': ('zero_one_test',),
 }

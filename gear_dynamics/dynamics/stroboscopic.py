@@ -47,7 +47,7 @@ class StroboscopicMap(Protocol):
         """Return the states one cycle later and the Jacobians there, (n, dimension, dimension)."""
 
 
-class Contact(NamedTuple):
+class OrbitContact(NamedTuple):
     """The contact of an orbit.
 
     Attributes
@@ -143,14 +143,14 @@ class GearMap:
         slope = full[..., 8] - full[..., 6] + full[..., 9] - error * rate * np.cos(phase)
         return np.stack([delta, slope], axis=-1)
 
-    def contact(self, points: np.ndarray) -> Contact:
+    def contact(self, points: np.ndarray) -> OrbitContact:
         """Return the contact of the periodic orbit through `points`, (period, dimension)."""
         samples = self._run(points, samples_per_cycle=SAMPLES).samples.ravel()
         b = self.pair.half_backlash
         delta = samples['delta'] / b
         slope = samples['delta_dot'] / b * self.cycle / self.pair.derived.wn / SAMPLES
         extrema = _extrema(delta, slope)
-        return Contact(
+        return OrbitContact(
             _sequence(delta, extrema),
             _clearance(extrema),
             float(delta.std()),

@@ -46,7 +46,7 @@ XU_KAHRAMAN = (
 """b1 to b9 of the regression."""
 
 
-class Contact(NamedTuple):
+class ContactConditions(NamedTuple):
     """What a tooth pair does at places on the path of contact; arrays of one shape.
 
     sliding, rolling [m/s]: difference and sum of the flanks' speeds; radius: of the equivalent
@@ -120,7 +120,7 @@ def xu_kahraman(
     return np.exp(exponent) * p**b2 * ratio**b3 * entraining**b6 * nu**b7 * radius**b8
 
 
-def contact(pair: GearPair, s: np.ndarray, speed: float, load_torque: float) -> Contact:
+def contact(pair: GearPair, s: np.ndarray, speed: float, load_torque: float) -> ContactConditions:
     """Return what the healthy pair does at s, with the load shared by stiffness.
 
     Parameters
@@ -145,7 +145,9 @@ def contact(pair: GearPair, s: np.ndarray, speed: float, load_torque: float) -> 
     # Where the path begins at a base circle the flank is a point there.
     radius = np.maximum(rho1 * rho2 / (rho1 + rho2), 1e-3 * pair.module)
     plane = pair.youngs_modulus / (2 * (1 - pair.poissons_ratio**2))
-    return Contact(u1 - u2, u1 + u2, radius, load, np.sqrt(load * plane / (math.pi * radius)))
+    return ContactConditions(
+        u1 - u2, u1 + u2, radius, load, np.sqrt(load * plane / (math.pi * radius))
+    )
 
 
 def _benedict_kelley_over_path(

@@ -12,7 +12,7 @@ from scipy import fft
 from gear_dynamics.monitoring.layout import MeshLayout
 from gear_dynamics.monitoring.phase_stream import AngularResampler
 from gear_dynamics.monitoring.spectrum_task import AveragedSpectrum
-from gear_dynamics.monitoring.task import Batch, Finding, Indicator, Task, columns_table
+from gear_dynamics.monitoring.task import Batch, Indicator, Task, TaskResult, columns_table
 from gear_dynamics.monitoring.wheel_average import INDICATORS, Harmonics, WheelAverage
 from gear_dynamics.parameters.settings import AnalyzerSettings
 from gear_dynamics.signal.synchronous import hunting_revolutions
@@ -79,7 +79,7 @@ class AngleTask(Task):
         self._resampler: AngularResampler | None = None
         self._wheels: list[WheelAverage] = []
 
-    def push(self, batch: Batch) -> Iterator[Finding]:
+    def push(self, batch: Batch) -> Iterator[TaskResult]:
         """Take the next samples; yield what is complete."""
         name = self._layout.mesh.name
         phase = batch.phases[name]
@@ -153,7 +153,7 @@ class AngleTask(Task):
             for side in self._with_wheels
         ]
 
-    def _orders(self, rows: np.ndarray) -> Iterator[Finding]:
+    def _orders(self, rows: np.ndarray) -> Iterator[TaskResult]:
         self._marks.append((self._points_done, float(rows[0, -1])))
         self._points_done += len(rows)
         ends = [*self._marks, (self._points_done - 1, float(rows[-1, -1]))]
@@ -162,5 +162,7 @@ class AngleTask(Task):
             start, last = np.interp([first, first + self._spectrum.span - 1], points, numbers)
             order = fft.rfftfreq(self._spectrum.length, 1 / self._per_revolution)
             table = columns_table('order', order, self._channels, amplitude)
-            yield Finding(float(start), float(last - start + 1), tables={'order_spectrum': table})
+            yield TaskResult(
+                float(start), float(last - start + 1), tables={'order_spectrum': table}
+            )
             self._marks = [mark for mark in self._marks if mark[0] >= first]

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from gear_dynamics.monitoring.contact_state import ContactState, EventContact, SampledContact
-from gear_dynamics.monitoring.task import Batch, Finding, Indicator, Row, Task
+from gear_dynamics.monitoring.task import Batch, Indicator, Row, Task, TaskResult
 
 EXACT = 'exact, from events'
 SAMPLED = 'from samples: losses shorter than a sample step are missed'
@@ -65,7 +65,7 @@ class ContactTask(Task):
         """Take over another backlash [m] from here on."""
         self._sampled.half_backlash = self._exact.half_backlash = half_backlash
 
-    def push(self, batch: Batch) -> Iterator[Finding]:
+    def push(self, batch: Batch) -> Iterator[TaskResult]:
         """Take the next samples; yield what is complete."""
         self._sampled.add(batch.values[:, self._column])
         self._samples += len(batch.values)
@@ -75,7 +75,7 @@ class ContactTask(Task):
             yield self._finding(state, end - self._samples, self._samples, SAMPLED)
             self._samples = 0
 
-    def push_events(self, events: np.ndarray, start: float, end: float) -> Iterator[Finding]:
+    def push_events(self, events: np.ndarray, start: float, end: float) -> Iterator[TaskResult]:
         """Take all events from `start` to `end`, with t [s] from the start of the record."""
         # From now on events tell; what the samples told so far is dropped.
         self._sampled.take()
@@ -90,7 +90,7 @@ class ContactTask(Task):
             yield self._finding(state, first, count, EXACT)
             self._events = []
 
-    def _finding(self, state: ContactState, first: float, count: float, source: str) -> Finding:
+    def _finding(self, state: ContactState, first: float, count: float, source: str) -> TaskResult:
         seconds = count / self._rate
         values = {
             'out_of_contact': state.out_of_contact,
@@ -98,4 +98,4 @@ class ContactTask(Task):
             'back_impacts_per_second': state.back_impacts / seconds,
         }
         notes = {'state': state.text, 'contact': source}
-        return Finding(first, count, [Row(self._subject, values, notes, state.text)])
+        return TaskResult(first, count, [Row(self._subject, values, notes, state.text)])

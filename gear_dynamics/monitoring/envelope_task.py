@@ -7,7 +7,15 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from gear_dynamics.monitoring.task import OWN, Batch, Finding, Indicator, Row, Task, columns_table
+from gear_dynamics.monitoring.task import (
+    OWN,
+    Batch,
+    Indicator,
+    Row,
+    Task,
+    TaskResult,
+    columns_table,
+)
 from gear_dynamics.parameters.settings import AnalyzerSettings
 from gear_dynamics.signal.demodulation import Band, envelope_spectrum, most_impulsive_band
 from gear_dynamics.signal.segments import SegmentBuffer
@@ -60,7 +68,7 @@ class EnvelopeTask(Task):
         self._segments = SegmentBuffer(self._length, self._length, len(self._channels), np.float32)
         self._first = None
 
-    def push(self, batch: Batch) -> Iterator[Finding]:
+    def push(self, batch: Batch) -> Iterator[TaskResult]:
         """Take the next samples; yield what is complete."""
         if self._first is None:
             self._first = batch.first
@@ -68,7 +76,7 @@ class EnvelopeTask(Task):
             yield self._finding(self._first, segment)
             self._first += self._length
 
-    def _finding(self, first: int, segment: np.ndarray) -> Finding:
+    def _finding(self, first: int, segment: np.ndarray) -> TaskResult:
         found = [self._envelope(x) for x in np.ascontiguousarray(segment.T)]
         # All have the same step of frequency; the band of each tells how far it goes.
         frequency = max((each for _, each, _ in found), key=len)
@@ -80,7 +88,7 @@ class EnvelopeTask(Task):
             for index, (channel, (band, _, _)) in enumerate(zip(self._channels, found, strict=True))
         ]
         table = columns_table('frequency', frequency, self._channels, amplitude)
-        return Finding(first, self._length, rows, {'envelope_spectrum': table})
+        return TaskResult(first, self._length, rows, {'envelope_spectrum': table})
 
     def _envelope(self, x: np.ndarray) -> tuple[Band, np.ndarray, np.ndarray]:
         band = self._given or most_impulsive_band(x[-CHOICE:], self._rate)

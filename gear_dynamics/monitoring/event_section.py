@@ -8,7 +8,7 @@ import numpy as np
 
 from gear_dynamics.machine.columns import EVENTS
 from gear_dynamics.monitoring.gaps import Order, StampCheck
-from gear_dynamics.monitoring.results import Span
+from gear_dynamics.monitoring.results import StreamSpan
 
 BATCH = 0.02
 """Seconds of events that are processed at once."""
@@ -17,7 +17,7 @@ BATCH = 0.02
 class EventBatch(NamedTuple):
     """Events of blocks that follow each other: span, and rows with t [s] from its start."""
 
-    span: Span
+    span: StreamSpan
     events: np.ndarray
 
     @property
@@ -65,7 +65,7 @@ class EventBatches:
     def _take(self) -> list[EventBatch]:
         if not self._rows:
             return []
-        span = Span(self._start_ns, len(self._rows) * self._seconds)
+        span = StreamSpan(self._start_ns, len(self._rows) * self._seconds)
         batch = EventBatch(span, np.concatenate(self._rows))
         self._rows = []
         return [batch]

@@ -6,10 +6,11 @@ import math
 import time
 
 from gear_dynamics.monitoring.baseline import Baseline, Normal
+from gear_dynamics.monitoring.level import Level
 from gear_dynamics.monitoring.operating import Judgement
-from gear_dynamics.monitoring.results import ConditionResult, ConditionRow, Span
+from gear_dynamics.monitoring.results import ConditionResult, ConditionRow, StreamSpan
 from gear_dynamics.monitoring.task import Row
-from gear_dynamics.monitoring.thresholds import Level, Thresholds
+from gear_dynamics.monitoring.thresholds import Thresholds
 
 WITHIN = 'within its limits'
 NOT_JUDGED = 'not judged'
@@ -34,11 +35,13 @@ class Judge:
         """Forget the faults seen so far."""
         self._first_seen.clear()
 
-    def result(self, span: Span, rows: tuple[Row, ...], judgement: Judgement) -> ConditionResult:
+    def result(
+        self, span: StreamSpan, rows: tuple[Row, ...], judgement: Judgement
+    ) -> ConditionResult:
         """Return the rows of a span with their levels."""
         return ConditionResult(span, tuple(self._row(span, row, judgement) for row in rows))
 
-    def _row(self, span: Span, row: Row, judgement: Judgement) -> ConditionRow:
+    def _row(self, span: StreamSpan, row: Row, judgement: Judgement) -> ConditionRow:
         steady = not judgement.reason
         if steady:
             for name, value in (*row.references.items(), *self._relative(row)):
@@ -79,7 +82,7 @@ class Judge:
 
     def _message(
         self,
-        span: Span,
+        span: StreamSpan,
         row: Row,
         values: dict[str, float],
         levels: dict[str, Level],

@@ -20,7 +20,7 @@ from gear_dynamics.monitoring.poincare import (
 )
 from gear_dynamics.monitoring.section_record import SectionRecord, SectionVerdict
 from gear_dynamics.monitoring.spread import Spread
-from gear_dynamics.monitoring.task import Batch, Finding, Indicator, Row, Task
+from gear_dynamics.monitoring.task import Batch, Indicator, Row, Task, TaskResult
 from gear_dynamics.parameters.settings import AnalyzerSettings
 
 EXACT = 'exact, from events'
@@ -112,7 +112,7 @@ class MotionTask(Task):
         delta, delta_dot = batch.values[:, self._columns].T
         self._spread.add(delta, delta_dot)
 
-    def push(self, batch: Batch) -> Iterator[Finding]:
+    def push(self, batch: Batch) -> Iterator[TaskResult]:
         """Take the section from the next samples, interpolated."""
         phase = batch.phases[self.mesh.name]
         rows = np.column_stack([batch.values[:, self._columns], phase])
@@ -136,10 +136,10 @@ class MotionTask(Task):
             points = section_by_contact_loss(t, phases, delta, delta_dot, self.mesh.half_backlash)
         if len(points):
             table = _points(points, self.mesh)
-            yield Finding(batch.first, len(phase), tables={'poincare': table})
+            yield TaskResult(batch.first, len(phase), tables={'poincare': table})
         yield from self.push_section(section, INTERPOLATED)
 
-    def push_section(self, section: np.ndarray, source: str) -> Iterator[Finding]:
+    def push_section(self, section: np.ndarray, source: str) -> Iterator[TaskResult]:
         """Take states of the section, t [s] from the start of the record."""
         if source != self._source or self._section is None:
             # States of different accuracy are not judged together.
@@ -151,7 +151,7 @@ class MotionTask(Task):
         for verdict in self._section.push(section, self._spread.over):
             self.seconds = verdict.end - verdict.start
             first, count = verdict.start * self._rate, self.seconds * self._rate
-            yield Finding(first, count, [self._row(verdict, source)])
+            yield TaskResult(first, count, [self._row(verdict, source)])
         self._spread.forget(self._section.start)
 
     def _row(self, verdict: SectionVerdict, source: str) -> Row:

@@ -30,7 +30,7 @@ LOAD = 'the load is changing'
 NO_ROTATION = 'the shaft does not turn forward'
 
 
-class State(NamedTuple):
+class BatchState(NamedTuple):
     """The operating state of a batch.
 
     Attributes
@@ -80,7 +80,7 @@ class OperatingState:
         """Begin to settle anew: the stream is another one."""
         self._speed = math.nan
 
-    def push(self, speed: float, load: float, seconds: float) -> State:
+    def push(self, speed: float, load: float, seconds: float) -> BatchState:
         """Take the means of the next batch and its duration [s].
 
         NaN stands for a speed or load that is not recorded; it never changes.
@@ -96,7 +96,7 @@ class OperatingState:
         self._bin = self._bin_of(speed, load)
         settled = self._age >= self._settling
         reason = NO_ROTATION if speed <= LEAST else '' if settled else self._why
-        return State(reason, self._bin, speed, load)
+        return BatchState(reason, self._bin, speed, load)
 
     def _change(self, speed: float, load: float) -> str:
         if math.isnan(speed) != math.isnan(self._speed) or math.isnan(load) != math.isnan(
@@ -139,11 +139,11 @@ class History:
     """The states of a record, by sample number, and the judgement of spans by them."""
 
     def __init__(self) -> None:
-        self._stretches: collections.deque[tuple[int, int, State]] = collections.deque(
+        self._stretches: collections.deque[tuple[int, int, BatchState]] = collections.deque(
             maxlen=MOST_STRETCHES
         )
 
-    def add(self, first: int, end: int, state: State) -> None:
+    def add(self, first: int, end: int, state: BatchState) -> None:
         """Take the state of the samples from `first` to before `end`."""
         if self._stretches:
             begin, _, last = self._stretches[-1]

@@ -13,11 +13,11 @@ from gear_dynamics.monitoring.health import Health
 from gear_dynamics.monitoring.judge import Judge
 from gear_dynamics.monitoring.layout import Layout
 from gear_dynamics.monitoring.motion_task import EXACT, MotionTask
-from gear_dynamics.monitoring.operating import History, OperatingState, State
+from gear_dynamics.monitoring.operating import BatchState, History, OperatingState
 from gear_dynamics.monitoring.phase_stream import PhaseStream
 from gear_dynamics.monitoring.poincare import section_from_events
-from gear_dynamics.monitoring.results import Result, Span, TableResult
-from gear_dynamics.monitoring.task import Batch, Finding, Task
+from gear_dynamics.monitoring.results import Result, StreamSpan, TableResult
+from gear_dynamics.monitoring.task import Batch, Task, TaskResult
 
 BATCH = 0.02
 """Seconds of samples that are processed at once."""
@@ -143,14 +143,14 @@ class Record:
                 slot.task.restart()
             yield from self._results(slot, lambda task: self._pushed(task, batch))
 
-    def _pushed(self, task: Task, batch: Batch) -> Iterable[Finding]:
+    def _pushed(self, task: Task, batch: Batch) -> Iterable[TaskResult]:
         if isinstance(task, MotionTask):
             task.observe(batch)
         if isinstance(task, MotionTask | ContactTask) and not self._interpolate:
             return ()
         return task.push(batch)
 
-    def _state(self, values: np.ndarray, phases: dict[str, np.ndarray]) -> State:
+    def _state(self, values: np.ndarray, phases: dict[str, np.ndarray]) -> BatchState:
         layout, seconds = self.layout, len(values) / self._rate
         speed = load = math.nan
         if layout.meshes and len(values) > 1:
@@ -173,7 +173,7 @@ class Record:
         section = section_from_events(events)
         end = start + batch.span.duration
 
-        def found(task: Task) -> Iterable[Finding]:
+        def found(task: Task) -> Iterable[TaskResult]:
             if isinstance(task, MotionTask) and len(section):
                 return task.push_section(section, EXACT)
             if isinstance(task, ContactTask):
@@ -187,7 +187,7 @@ class Record:
         """Stamp of the first sample that is not yet processed [ns]."""
         return self.start_ns + round(self._done * 1e9 / self._rate)
 
-    def _results(self, slot: Slot, work: Callable[[Task], Iterable[Finding]]) -> list[Result]:
+    def _results(self, slot: Slot, work: Callable[[Task], Iterable[TaskResult]]) -> list[Result]:
         """Return the results of a task; one that fails begins its span anew."""
         results: list[Result] = []
         try:
@@ -200,8 +200,8 @@ class Record:
             slot.renew()
         return results
 
-    def _of_finding(self, slot: Slot, finding: Finding) -> Iterator[Result]:
-        span = Span(
+    def _of_finding(self, slot: Slot, finding: TaskResult) -> Iterator[Result]:
+        span = StreamSpan(
             self.start_ns + round(finding.first * 1e9 / self._rate), finding.count / self._rate
         )
         for name, rows in finding.tables.items():

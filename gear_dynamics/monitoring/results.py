@@ -7,11 +7,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from gear_dynamics.monitoring.thresholds import Level
+from gear_dynamics.monitoring.level import Level
 
 
 @dataclasses.dataclass(frozen=True)
-class Span:
+class StreamSpan:
     """A stretch of the stream.
 
     Attributes
@@ -31,7 +31,7 @@ class TableResult:
     """A table, named as its topic below `gear_pair/`."""
 
     name: str
-    span: Span
+    span: StreamSpan
     rows: np.ndarray
 
 
@@ -53,7 +53,7 @@ class ConditionRow:
 class ConditionResult:
     """Rows that were computed on the same span."""
 
-    span: Span
+    span: StreamSpan
     rows: tuple[ConditionRow, ...]
 
 

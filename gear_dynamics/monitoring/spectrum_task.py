@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from gear_dynamics.monitoring.task import Batch, Finding, Task, columns_table
+from gear_dynamics.monitoring.task import Batch, Task, TaskResult, columns_table
 from gear_dynamics.parameters.settings import AnalyzerSettings
 from gear_dynamics.signal.segments import SegmentBuffer, hop_of
 from gear_dynamics.signal.spectrum import (
@@ -65,8 +65,8 @@ class SpectrumTask(Task):
         self._frequency = np.fft.rfftfreq(settings.spectrum_length, 1 / rate)
         self.seconds = self._spectrum.span / rate
 
-    def push(self, batch: Batch) -> Iterator[Finding]:
+    def push(self, batch: Batch) -> Iterator[TaskResult]:
         """Take the next samples; yield what is complete."""
         for first, amplitude in self._spectrum.push(batch.channels):
             rows = columns_table('frequency', self._frequency, self._channels, amplitude)
-            yield Finding(first, self._spectrum.span, tables={'spectrum': rows})
+            yield TaskResult(first, self._spectrum.span, tables={'spectrum': rows})

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
-from gear_dynamics.monitoring.task import OWN, Batch, Finding, Indicator, Row, Task
+from gear_dynamics.monitoring.task import OWN, Batch, Indicator, Row, Task, TaskResult
 from gear_dynamics.signal.statistics import Moments
 
 CONSTANT = 'the signal is constant: it has no shape'
@@ -44,7 +44,7 @@ class StatisticsTask(Task):
         """Begin the span anew."""
         self._moments = Moments()
 
-    def push(self, batch: Batch) -> Iterator[Finding]:
+    def push(self, batch: Batch) -> Iterator[TaskResult]:
         """Take the next samples; yield what is complete."""
         moments = self._moments
         moments.add(batch.channels)
@@ -57,5 +57,5 @@ class StatisticsTask(Task):
             reason = CONSTANT if any(map(math.isnan, own.values())) else ''
             rows.append(Row(channel, own, reason=reason))
         end = batch.first + len(batch.channels)
-        yield Finding(end - moments.count, moments.count, rows)
+        yield TaskResult(end - moments.count, moments.count, rows)
         self.restart()

@@ -91,7 +91,7 @@ class Row:
 
 
 @dataclasses.dataclass(frozen=True)
-class Finding:
+class TaskResult:
     """What a task found on a span.
 
     Attributes
@@ -124,7 +124,7 @@ class Task(abc.ABC):
     seconds: float = 0.0
 
     @abc.abstractmethod
-    def push(self, batch: Batch) -> Iterable[Finding]:
+    def push(self, batch: Batch) -> Iterable[TaskResult]:
         """Take the next samples; yield what is complete."""
 
     def restart(self) -> None:  # noqa: B027 (not every task has a span)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import collections
 import dataclasses
-import enum
 import math
 from collections.abc import Mapping
 from pathlib import Path
@@ -13,6 +12,7 @@ from typing import Any, NamedTuple
 from scipy import special
 
 from gear_dynamics.monitoring.baseline import Normal
+from gear_dynamics.monitoring.level import Level
 from gear_dynamics.parameters.yaml_text import YamlError, read_yaml
 
 BOUNDS = ('warn', 'error', 'below_warn', 'below_error')
@@ -22,14 +22,6 @@ MOST_CHANGES = 1000
 
 class ThresholdError(ValueError):
     """A threshold file cannot be used; the message says where and why in one line."""
-
-
-class Level(enum.IntEnum):
-    """How bad a value is; the numbers are those of diagnostic_msgs/DiagnosticStatus."""
-
-    OK = 0
-    WARN = 1
-    ERROR = 2
 
 
 @dataclasses.dataclass(frozen=True)

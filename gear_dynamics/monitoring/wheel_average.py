@@ -14,7 +14,7 @@ from gear_dynamics.monitoring.diagnosis import (
     local_fault,
     once_per_revolution,
 )
-from gear_dynamics.monitoring.task import OWN, Bin, Finding, Indicator, Row
+from gear_dynamics.monitoring.task import OWN, Bin, Indicator, Row, TaskResult
 from gear_dynamics.signal import indicators
 from gear_dynamics.signal.interpolation import ACCURATE_BAND
 from gear_dynamics.signal.segments import SegmentBuffer
@@ -94,7 +94,7 @@ class WheelAverage:
         self._count = 0
         self._first = 0.0
 
-    def push(self, first: int, rows: np.ndarray, bin_: Bin) -> Iterator[Finding]:
+    def push(self, first: int, rows: np.ndarray, bin_: Bin) -> Iterator[TaskResult]:
         """Take rows at the points `first`, `first` + 1, ...; yield the averages completed.
 
         The last column of the rows is the sample number, which is not averaged.
@@ -122,12 +122,12 @@ class WheelAverage:
             return True
         return taken + each > self._may
 
-    def _finish(self, last: float, bin_: Bin) -> Finding:
+    def _finish(self, last: float, bin_: Bin) -> TaskResult:
         each = (last - self._first) / self._count
         average = below_order(self._sum / self._count, ACCURATE_BAND * each)
         rows = self._rows(average, bin_)
         count = last - self._first + 1
-        finding = Finding(self._first, count, rows)
+        finding = TaskResult(self._first, count, rows)
         self._sum[:] = 0
         self._count = 0
         return finding

@@ -32,7 +32,7 @@ from gear_dynamics.nodes.topics import Timed, listen, publisher
 from gear_dynamics.parameters.parameter import ParameterError
 from gear_dynamics.parameters.settings import AnalyzerSettings
 from gear_dynamics.wire.messages import MessageError, deserialize
-from gear_dynamics.wire.tables import Table, TableError, decode_table, encode_table
+from gear_dynamics.wire.tables import DecodedTable, TableError, decode_table, encode_table
 from gear_dynamics.wire.topics import (
     CONDITION,
     CONFIGURATION,
@@ -80,7 +80,7 @@ class Analyzer:
         self._drops = 0
         self._rate = float('inf')
         self._pass = 1
-        self._early: collections.deque[tuple[Add, Table]] = collections.deque()
+        self._early: collections.deque[tuple[Add, DecodedTable]] = collections.deque()
         self._make_publishers(settings)
         tasks = {
             'stream': self._health.stream,
@@ -180,7 +180,7 @@ class Analyzer:
             self._analyse(self._monitor.add_events, table)
         self._warn_of_drops()
 
-    def _analyse(self, add: Add, table: Table) -> None:
+    def _analyse(self, add: Add, table: DecodedTable) -> None:
         """Analyse a table; one that overtook the first configuration waits for it."""
         if self._monitor.health.configured:
             self._publish(add(table.stamp_ns, table.rows))
@@ -191,7 +191,7 @@ class Analyzer:
             add, table = early.popleft()
             add(table.stamp_ns, table.rows)  # counted, as nothing is configured
 
-    def _decoded(self, topic: Topic, data: bytes) -> Table | None:
+    def _decoded(self, topic: Topic, data: bytes) -> DecodedTable | None:
         """Log the bytes, and return the table that they hold."""
         try:
             table = decode_table(data)

@@ -7,7 +7,8 @@ import time
 from collections.abc import Iterator
 
 from gear_dynamics.monitoring.health import Health
-from gear_dynamics.nodes.diagnostics import Level, Report
+from gear_dynamics.monitoring.level import Level
+from gear_dynamics.nodes.diagnostics import Report
 
 BINS = 20
 """Operating bins, those that were seen last for the first time, that are told one by one."""

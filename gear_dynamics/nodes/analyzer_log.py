@@ -12,7 +12,8 @@ from rclpy.node import Node
 
 from gear_dynamics.bag.metadata import OfferedQos
 from gear_dynamics.bag.writer import LogWriter
-from gear_dynamics.nodes.diagnostics import Level, Report
+from gear_dynamics.monitoring.level import Level
+from gear_dynamics.nodes.diagnostics import Report
 from gear_dynamics.parameters.parameter import ParameterError
 from gear_dynamics.parameters.settings import AnalyzerSettings
 from gear_dynamics.versions import versions

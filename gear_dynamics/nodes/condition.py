@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from gear_dynamics.monitoring.results import ConditionResult, ConditionRow, Span
+from gear_dynamics.monitoring.results import ConditionResult, ConditionRow, StreamSpan
 from gear_dynamics.wire.messages import message_class, serialize
 
 SECOND = 1_000_000_000
@@ -23,7 +23,7 @@ def condition_bytes(result: ConditionResult, rig: str) -> bytes:
     return serialize(message_class('diagnostic_msgs/msg/DiagnosticArray')(header, status))
 
 
-def _status(row: ConditionRow, span: Span, rig: str) -> object:
+def _status(row: ConditionRow, span: StreamSpan, rig: str) -> object:
     key_value = message_class('diagnostic_msgs/msg/KeyValue')
     texts = {
         'stamp': f'{span.start_ns // SECOND}.{span.start_ns % SECOND:09d}',

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import enum
 import time
 from collections.abc import Callable, Mapping
 
@@ -12,19 +11,12 @@ from rclpy.clock import Clock, ClockType
 from rclpy.duration import Duration
 from rclpy.node import Node
 
+from gear_dynamics.monitoring.level import Level
 from gear_dynamics.nodes.topics import publisher
 from gear_dynamics.wire.topics import DIAGNOSTICS
 
 PERIOD = 1.0
 """Time between two messages [s]."""
-
-
-class Level(enum.Enum):
-    """How bad it is; the values are those of diagnostic_msgs/DiagnosticStatus."""
-
-    OK = DiagnosticStatus.OK
-    WARN = DiagnosticStatus.WARN
-    ERROR = DiagnosticStatus.ERROR
 
 
 @dataclasses.dataclass(frozen=True)
@@ -76,7 +68,7 @@ class Diagnostics:
 
     def _status(self, name: str, report: Report) -> DiagnosticStatus:
         return DiagnosticStatus(
-            level=report.level.value,
+            level=bytes([report.level]),
             name=f'{self._prefix}: {name}',
             message=report.message,
             hardware_id=self._prefix,

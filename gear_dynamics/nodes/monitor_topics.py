@@ -9,7 +9,7 @@ from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
 from gear_dynamics.nodes.pacing import SECOND
-from gear_dynamics.nodes.spread import Due, Spread
+from gear_dynamics.nodes.publish_schedule import Due, PublishSchedule
 from gear_dynamics.nodes.topics import publisher
 from gear_dynamics.signal.decimation import Decimator
 from gear_dynamics.wire.stamped_vectors import StampedVectors
@@ -121,7 +121,7 @@ class MonitorTopics:
             JointStates(node, sample_rate),
         ]
         self._sample_ns = sample_ns
-        self._spread = Spread(node)
+        self._spread = PublishSchedule(node)
 
     def publish(self, samples: np.ndarray, shafts: np.ndarray, first: int, stamp: Stamp) -> None:
         """Publish what of a block is due on each topic that has listeners.

@@ -17,7 +17,8 @@ from tqdm import tqdm
 
 from gear_dynamics.bag.channel import Damage, LogChannel, LogError
 from gear_dynamics.bag.log import Log
-from gear_dynamics.nodes.diagnostics import Diagnostics, Level, Report
+from gear_dynamics.monitoring.level import Level
+from gear_dynamics.nodes.diagnostics import Diagnostics, Report
 from gear_dynamics.nodes.listeners import Listeners
 from gear_dynamics.nodes.parameters import NodeParameters
 from gear_dynamics.nodes.player import Player

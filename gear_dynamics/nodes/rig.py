@@ -76,7 +76,7 @@ class Child:
         return f'{self.name} {end} after {time.monotonic() - self.began:.0f} s{again}'
 
 
-class Rig:
+class ProcessGroup:
     """Runs processes until a signal comes or one of them ends for good."""
 
     def __init__(self) -> None:
@@ -192,7 +192,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run a rig until Ctrl-C; return the exit code."""
     arguments = _parser().parse_args(argv)
     os.environ.setdefault('PYTHONUNBUFFERED', '1')
-    return Rig().run(commands(arguments))
+    return ProcessGroup().run(commands(arguments))
 
 
 if __name__ == '__main__':

@@ -5,7 +5,8 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from gear_dynamics.nodes.diagnostics import Level, Report, Task
+from gear_dynamics.monitoring.level import Level
+from gear_dynamics.nodes.diagnostics import Report, Task
 from gear_dynamics.nodes.pacing import SECOND, Schedule
 from gear_dynamics.parameters.settings import SimSettings
 from gear_dynamics.simulation.simulator import Simulator

@@ -21,7 +21,7 @@ from gear_dynamics.recordings.optional import optional_module
 from gear_dynamics.recordings.signals import Signals
 from gear_dynamics.recordings.span_reader import Cuts, read_spans
 from gear_dynamics.recordings.stamps import recording_time
-from gear_dynamics.recordings.table import RecordingError, Table, matches
+from gear_dynamics.recordings.table import RecordingError, RecordingTable, matches
 
 if TYPE_CHECKING:
     import pandas
@@ -135,7 +135,7 @@ def analyse_recordings(
     return result
 
 
-def _tables(recording: Any, machine: Machine) -> list[Table]:
+def _tables(recording: Any, machine: Machine) -> list[RecordingTable]:
     rows = machine.recording.rows
     if isinstance(recording, str | Path):
         recording = [recording]
@@ -164,7 +164,7 @@ def _natural(path: Path) -> list[tuple[int, str]]:
 
 
 def _series(
-    tables: list[Table], engine: SpanAnalysis, result: Analysis, progress: Progress | None
+    tables: list[RecordingTable], engine: SpanAnalysis, result: Analysis, progress: Progress | None
 ) -> None:
     """Analyse recordings that follow each other with pauses, each with its own time."""
     origin = None
@@ -188,14 +188,14 @@ def _series(
         result.rows.sort(key=lambda row: row['t'])
 
 
-def _is_wanted(table: Table, machine: Machine) -> bool:
+def _is_wanted(table: RecordingTable, machine: Machine) -> bool:
     """Return whether any channel may stand in a recording, by its name."""
     patterns = [channel.source.file for channel in machine.channels]
     return any(pattern is None or matches(table.name, pattern) for pattern in patterns)
 
 
 def _analyse_one(
-    tables: list[Table],
+    tables: list[RecordingTable],
     engine: SpanAnalysis,
     result: Analysis,
     progress: Progress | None,

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from gear_dynamics.machine.machine import Machine
 from gear_dynamics.machine.shaft import FixedSpeed
 from gear_dynamics.monitoring.spans.summary import Summary
-from gear_dynamics.recordings.table import Table, plain
+from gear_dynamics.recordings.table import RecordingTable, plain
 
 _DEFECT_NAMES = {
     **dict.fromkeys(('bpfo', 'ballpassfrequencyouter'), 'outer'),
@@ -20,7 +20,7 @@ _DEFECT_NAMES = {
 TOLERANCE = 0.03
 
 
-def contradictions(tables: Sequence[Table], summary: Summary) -> Iterator[str]:
+def contradictions(tables: Sequence[RecordingTable], summary: Summary) -> Iterator[str]:
     """Yield a sentence for each constant of the files that the machine file contradicts.
 
     Known are the defect frequencies of a bearing by their usual names (BPFO, BPFI, BSF, FTF) and
@@ -36,7 +36,9 @@ def contradictions(tables: Sequence[Table], summary: Summary) -> Iterator[str]:
                 yield from _speed(table, name, value, machine)
 
 
-def _defect(table: Table, name: str, value: float, defect: str, summary: Summary) -> Iterator[str]:
+def _defect(
+    table: RecordingTable, name: str, value: float, defect: str, summary: Summary
+) -> Iterator[str]:
     expected = {}
     for bearing in summary.machine.bearings:
         speed = summary.mean_speed(bearing.shaft)
@@ -57,7 +59,7 @@ def _defect(table: Table, name: str, value: float, defect: str, summary: Summary
         )
 
 
-def _speed(table: Table, name: str, value: float, machine: Machine) -> Iterator[str]:
+def _speed(table: RecordingTable, name: str, value: float, machine: Machine) -> Iterator[str]:
     fixed = {
         shaft.name: shaft.speed.speed * 30 / math.pi
         for shaft in machine.shafts

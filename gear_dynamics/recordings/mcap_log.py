@@ -10,10 +10,10 @@ import numpy as np
 from gear_dynamics.bag.channel import LogError
 from gear_dynamics.bag.log import Log
 from gear_dynamics.bag.reader import iter_rows
-from gear_dynamics.recordings.table import RecordingError, Table, as_numbers, find_column
+from gear_dynamics.recordings.table import RecordingError, RecordingTable, as_numbers, find_column
 
 
-class McapTable(Table):
+class McapTable(RecordingTable):
     """A log; a column is named `topic:column`. Its rate is that of the stamps, on average."""
 
     def __init__(self, path: Path) -> None:

@@ -14,7 +14,7 @@ from gear_dynamics.recordings.table import (
     BLOCK,
     ArrayTable,
     RecordingError,
-    Table,
+    RecordingTable,
     as_numbers,
     flatten,
 )
@@ -29,7 +29,7 @@ def read_npy(path: Path) -> ArrayTable:
     return ArrayTable(path.name, dict(flatten('' if values.dtype.names else 'data', values)))
 
 
-class NpzTable(Table):
+class NpzTable(RecordingTable):
     """A .npz file; 1-D arrays are read block by block, others when they are asked for."""
 
     def __init__(self, path: Path) -> None:

@@ -13,20 +13,20 @@ from gear_dynamics.recordings.matlab import read_matlab
 from gear_dynamics.recordings.mcap_log import McapTable
 from gear_dynamics.recordings.numpy_files import NpzTable, read_npy
 from gear_dynamics.recordings.parquet import ParquetTable, RowsTable
-from gear_dynamics.recordings.table import RecordingError, Table
+from gear_dynamics.recordings.table import RecordingError, RecordingTable
 from gear_dynamics.recordings.wav import WavTable
 
 _HDF5 = b'\x89HDF\r\n\x1a\n'
 
 
-def _matlab(path: Path) -> Table:
+def _matlab(path: Path) -> RecordingTable:
     with path.open('rb') as stream:
         head = stream.read(520)
     # Version 7.3 has MATLAB's own text before the HDF5 signature.
     return Hdf5Table(path) if head[512:520] == _HDF5 or head[:8] == _HDF5 else read_matlab(path)
 
 
-READERS: dict[str, Callable[[Path], Table]] = {
+READERS: dict[str, Callable[[Path], RecordingTable]] = {
     **dict.fromkeys(('.csv', '.txt', '.tsv', '.dat', '.asc'), CsvTable),
     '.wav': WavTable,
     '.mat': _matlab,
@@ -41,7 +41,7 @@ READERS: dict[str, Callable[[Path], Table]] = {
 """Reader of each ending of a file's name."""
 
 
-def open_table(path: str | Path, rows: Rows | None = None) -> Table:
+def open_table(path: str | Path, rows: Rows | None = None) -> RecordingTable:
     """Open a recording.
 
     Parameters

@@ -12,8 +12,8 @@ from gear_dynamics.recordings.optional import optional_module
 from gear_dynamics.recordings.table import (
     BLOCK,
     RecordingError,
+    RecordingTable,
     RowTable,
-    Table,
     as_numbers,
     find_column,
 )
@@ -43,7 +43,7 @@ class ParquetTable(RowTable):
             )
 
 
-class RowsTable(Table):
+class RowsTable(RecordingTable):
     """A Parquet file with a row a channel: its name, all of its samples, its rate and unit."""
 
     def __init__(self, path: Path, form: Rows) -> None:

@@ -12,7 +12,7 @@ from gear_dynamics.machine.machine import Machine
 from gear_dynamics.machine.shaft import Angle, SpeedColumn, Tacho
 from gear_dynamics.machine.source import Source, Time
 from gear_dynamics.machine.units import factor
-from gear_dynamics.recordings.table import RecordingError, Table, matches
+from gear_dynamics.recordings.table import RecordingError, RecordingTable, matches
 
 SAME_RATE = 1e-3
 """Relative difference of two statements of a rate that is an error."""
@@ -26,7 +26,7 @@ class FoundSignal:
     ----------
     name : str
         Of the channel or of the shaft.
-    parts : tuple of (Table, str)
+    parts : tuple of (RecordingTable, str)
         Recordings and columns that follow each other.
     rate : float
         [Hz]; 0 for a single number.
@@ -37,7 +37,7 @@ class FoundSignal:
     """
 
     name: str
-    parts: tuple[tuple[Table, str], ...]
+    parts: tuple[tuple[RecordingTable, str], ...]
     rate: float
     scale: float
     origin: str
@@ -49,7 +49,7 @@ class Signals:
     Parameters
     ----------
     machine : Machine
-    tables : sequence of Table
+    tables : sequence of RecordingTable
         One recording, in one or more files.
 
     Attributes
@@ -61,7 +61,7 @@ class Signals:
     notes : list of str
     """
 
-    def __init__(self, machine: Machine, tables: Sequence[Table]) -> None:
+    def __init__(self, machine: Machine, tables: Sequence[RecordingTable]) -> None:
         self._machine = machine
         self._tables = tables
         self._patterns = [
@@ -126,7 +126,7 @@ class Signals:
                 )
         return FoundSignal(name, tuple(parts), float(np.mean(rates)), scale, origin)
 
-    def _candidates(self, source: Source) -> list[Table]:
+    def _candidates(self, source: Source) -> list[RecordingTable]:
         """Return the files in which a signal stands, in their order."""
         if source.file is not None:
             found = [table for table in self._tables if matches(table.name, source.file)]
@@ -143,7 +143,7 @@ class Signals:
             return found
         return [self._only(found, source)]
 
-    def _only(self, tables: list[Table], source: Source) -> Table:
+    def _only(self, tables: list[RecordingTable], source: Source) -> RecordingTable:
         """Return the one of files side by side that has a column."""
         having, reason = [], ''
         for table in tables:
@@ -159,7 +159,7 @@ class Signals:
         names = ', '.join(table.name for table in having[:8])
         raise RecordingError(f'column {source.column!r} stands in {names}: say which by file')
 
-    def _rate(self, source: Source, table: Table, column: str) -> float:
+    def _rate(self, source: Source, table: RecordingTable, column: str) -> float:
         form = self._machine.recording
         own = source.sample_rate is not None or source.time is not None
         rate = source.sample_rate if own else form.sample_rate
@@ -217,7 +217,7 @@ def _sources(machine: Machine) -> Iterator[Source]:
             yield shaft.speed.source
 
 
-def _constant(table: Table, name: str) -> float:
+def _constant(table: RecordingTable, name: str) -> float:
     column = table.resolve(name)
     if column in table.constants:
         return table.constants[column]
@@ -260,7 +260,7 @@ class TimeBase:
     gaps: tuple[int, ...]
 
 
-def scan_time(table: Table, time: Time) -> TimeBase:
+def scan_time(table: RecordingTable, time: Time) -> TimeBase:
     """Return the mean rate of a time column; jumps of more than a step and a half are left out.
 
     Raises

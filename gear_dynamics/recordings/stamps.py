@@ -9,7 +9,7 @@ import numpy as np
 
 from gear_dynamics.machine.source import Time
 from gear_dynamics.machine.units import factor
-from gear_dynamics.recordings.table import RecordingError, Table
+from gear_dynamics.recordings.table import RecordingError, RecordingTable
 
 _STAMP = re.compile(
     r'(\d{4})[-._]?(\d{2})[-._]?(\d{2})[-._ T]?(\d{2})[-.:_h]?(\d{2})(?:[-.:_m]?(\d{2}))?'
@@ -17,12 +17,12 @@ _STAMP = re.compile(
 """Year, month, day, hour, minute and perhaps second in the name of a file."""
 
 
-def recording_time(table: Table, time: Time | None) -> float | None:
+def recording_time(table: RecordingTable, time: Time | None) -> float | None:
     """Return the time of a recording's first sample [s], since 1970 or midnight, if it states one.
 
     Parameters
     ----------
-    table : Table
+    table : RecordingTable
     time : Time, optional
         Columns with the time; those of the time since the start of each recording say nothing.
     """

@@ -23,7 +23,7 @@ class RecordingError(ValueError):
     """A recording cannot be used; the message says why in one line."""
 
 
-class Table(abc.ABC):
+class RecordingTable(abc.ABC):
     """An open recording.
 
     Attributes
@@ -90,7 +90,7 @@ class Table(abc.ABC):
 
 
 def find_column(file: str, columns: Sequence[str], column: str | int | None) -> str:
-    """Return the one of `columns` that is meant; see `Table.resolve`."""
+    """Return the one of `columns` that is meant; see `RecordingTable.resolve`."""
     if column is None:
         if len(columns) == 1:
             return columns[0]
@@ -132,7 +132,7 @@ def plain(name: str) -> str:
     return re.sub(r'[^a-z0-9]', '', name.lower())
 
 
-class RowTable(Table):
+class RowTable(RecordingTable):
     """A recording whose columns are read together, row by row."""
 
     @abc.abstractmethod
@@ -153,7 +153,7 @@ def _column(rows: Iterable[np.ndarray], index: int) -> Iterator[np.ndarray]:
         yield block[:, index]
 
 
-class ArrayTable(Table):
+class ArrayTable(RecordingTable):
     """Columns that are arrays: in memory, mapped, or of a library that reads slices.
 
     Parameters

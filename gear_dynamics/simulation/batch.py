@@ -30,7 +30,7 @@ from gear_dynamics.simulation.stepping import IntegrationError, why_stopped
 _BLOCK = 1 << 16
 
 
-class Batch(NamedTuple):
+class PairBatch(NamedTuple):
     """Gear pairs that run side by side.
 
     `records` is (n,) MOTION; mesh intervals of pair i are `zones[bounds[i, 0]:bounds[i + 1, 0]]`
@@ -48,7 +48,7 @@ def gather(
     runs: Sequence[RunSettings],
     drive: bool = True,
     ports: Sequence[Ports] | None = None,
-) -> Batch:
+) -> PairBatch:
     """Return gear pairs at the start of their runs, ready to advance together."""
     given = [HEALTHY] * len(pairs) if ports is None else ports
     parts = [
@@ -59,7 +59,7 @@ def gather(
     for i, part in enumerate(parts):
         records[i] = part.records[0]
     sizes = [(len(part.zones), len(part.ports)) for part in parts]
-    return Batch(
+    return PairBatch(
         records,
         np.concatenate([part.zones for part in parts]),
         np.concatenate([part.ports for part in parts]),

@@ -29,7 +29,7 @@ ONE = 1e-5
 """Distance of the states within which two orbits are one."""
 
 
-class Limits(NamedTuple):
+class BranchLimits(NamedTuple):
     """How far branches are followed.
 
     Attributes
@@ -68,7 +68,11 @@ def seeds_task(point: OperatingPoint, longest: int) -> Arrays:
 
 
 def branch_task(
-    point: OperatingPoint, limits: Limits, value: float, states: np.ndarray, tangent: np.ndarray
+    point: OperatingPoint,
+    limits: BranchLimits,
+    value: float,
+    states: np.ndarray,
+    tangent: np.ndarray,
 ) -> Arrays:
     """Return the branch through an orbit, in both directions, or along a tangent if one is given.
 

@@ -31,7 +31,7 @@ UNITS = {
 }
 
 
-class Finding(NamedTuple):
+class MotionResult(NamedTuple):
     """What one motion did.
 
     Attributes
@@ -59,14 +59,14 @@ class Finding(NamedTuple):
         return abs(float(sum_error(total, np.asarray(self.divergence))))
 
 
-def finding(point: OperatingPoint, result: Arrays, i: int) -> Finding:
+def finding(point: OperatingPoint, result: Arrays, i: int) -> MotionResult:
     """Return what motion i of a task's result did."""
     cycle = point.cycle
     all_ten = lyapunov_spectrum(result['growth'][i], cycle)
     kept = slice(all_ten.discarded, None)
     near = result['nearby'][i] / cycle
     near = near[len(near) // 10 :]
-    return Finding(
+    return MotionResult(
         point.pair.friction_coefficient,
         all_ten,
         regime(
@@ -114,7 +114,7 @@ def differing_words(near: float, near_error: float, value: float, error: float) 
     ]
 
 
-def unsettled_words(group: Sequence[Finding]) -> list[str]:
+def unsettled_words(group: Sequence[MotionResult]) -> list[str]:
     """Return a line about the records that are not settled, if there are any."""
     which = [np.flatnonzero(~each.exponents.settled) + 1 for each in group]
     count = sum(each.size > 0 for each in which)
@@ -126,7 +126,7 @@ def unsettled_words(group: Sequence[Finding]) -> list[str]:
     ]
 
 
-def finding_arrays(findings: Sequence[Finding]) -> dict[str, np.ndarray]:
+def finding_arrays(findings: Sequence[MotionResult]) -> dict[str, np.ndarray]:
     """Return exponents and their convergence, by the names of UNITS, a row for each motion."""
     all_ten = [each.exponents for each in findings]
     return {
@@ -144,7 +144,7 @@ def finding_arrays(findings: Sequence[Finding]) -> dict[str, np.ndarray]:
     }
 
 
-def convergence_of(findings: Sequence[Finding]) -> dict[str, np.ndarray]:
+def convergence_of(findings: Sequence[MotionResult]) -> dict[str, np.ndarray]:
     """Return the table of the means of all exponents over the first cycles."""
     each = finding_arrays(findings)
     motions = {

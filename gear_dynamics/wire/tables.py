@@ -49,7 +49,7 @@ class TableError(ValueError):
 
 
 @dataclasses.dataclass(frozen=True)
-class Table:
+class DecodedTable:
     """A decoded table.
 
     Attributes
@@ -112,7 +112,7 @@ def encode_table(rows: np.ndarray, stamp_ns: int, frame_id: str) -> bytes:
     )
 
 
-def decode_table(data: bytes | memoryview) -> Table:
+def decode_table(data: bytes | memoryview) -> DecodedTable:
     """Return the table that the CDR bytes of a PointCloud2 hold, without copying the rows.
 
     Raises
@@ -145,7 +145,7 @@ def decode_table(data: bytes | memoryview) -> Table:
             f'row_step is {cloud.row_step} and there are {len(cloud.data)} bytes of rows: '
             f'{cloud.width} rows of {cloud.point_step} bytes make {expected}'
         )
-    return Table(
+    return DecodedTable(
         stamp_ns=stamp.sec * 1_000_000_000 + stamp.nanosec,
         frame_id=frame_id,
         rows=np.frombuffer(cloud.data, dtype, cloud.width),

@@ -12,9 +12,10 @@ from gear_dynamics.machine.parts import Mesh, Wheel
 from gear_dynamics.machine.shaft import Angle, DrivenBy, Shaft
 from gear_dynamics.machine.source import Source
 from gear_dynamics.monitoring.layout import Layout
+from gear_dynamics.monitoring.level import Level
 from gear_dynamics.monitoring.monitor import Monitor
 from gear_dynamics.monitoring.results import ConditionResult, TableResult
-from gear_dynamics.monitoring.thresholds import Level, Limit, Thresholds
+from gear_dynamics.monitoring.thresholds import Limit, Thresholds
 from gear_dynamics.parameters.settings import AnalyzerSettings
 
 FAST = {

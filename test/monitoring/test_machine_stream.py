@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from gear_dynamics.machine.machine import Machine
+from gear_dynamics.monitoring.level import Level
 from gear_dynamics.monitoring.results import ConditionResult, TableResult
 from gear_dynamics.monitoring.spans.analysis import SpanAnalysis
 from gear_dynamics.monitoring.spans.data import Signal, Span
 from gear_dynamics.monitoring.spans.stream import MachineMonitor
-from gear_dynamics.monitoring.thresholds import Level
 
 RATE = 12800.0
 MACHINE = {

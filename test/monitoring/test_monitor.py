@@ -8,9 +8,10 @@ from streams import RATE, RIG, START_NS, blocks, rotation, samples
 
 from gear_dynamics.machine.columns import CHANNELS, EVENTS, EventKind
 from gear_dynamics.monitoring.catalogue import check_names, indicators
+from gear_dynamics.monitoring.level import Level
 from gear_dynamics.monitoring.monitor import Monitor
 from gear_dynamics.monitoring.results import ConditionResult, TableResult
-from gear_dynamics.monitoring.thresholds import Level, Limit, Thresholds
+from gear_dynamics.monitoring.thresholds import Limit, Thresholds
 from gear_dynamics.parameters.settings import AnalyzerSettings
 
 MESH = 104.72 * 34 / (2 * np.pi)  # Hz

@@ -8,9 +8,9 @@ from gear_dynamics.monitoring.operating import (
     NO_ROTATION,
     SETTLING,
     SPEED,
+    BatchState,
     History,
     OperatingState,
-    State,
     centre,
 )
 from gear_dynamics.parameters.settings import AnalyzerSettings
@@ -85,10 +85,10 @@ def test_the_centre_of_a_bin_lies_within_half_a_step(speed):
 
 def test_a_span_is_judged_only_if_all_of_it_was_steady():
     history = History()
-    history.add(0, 100, State(SPEED, (1, 1), 1.0, 1.0))
+    history.add(0, 100, BatchState(SPEED, (1, 1), 1.0, 1.0))
     for first in range(100, 300, 50):
-        history.add(first, first + 50, State('', (2, 2), 1.0, 1.0))
-    history.add(300, 400, State(LOAD, (3, 3), 1.0, 1.0))
+        history.add(first, first + 50, BatchState('', (2, 2), 1.0, 1.0))
+    history.add(300, 400, BatchState(LOAD, (3, 3), 1.0, 1.0))
     assert history.judge(100, 200) == ('', (2, 2))
     assert history.judge(99, 200).reason == SPEED
     assert history.judge(100, 201) == (LOAD, (2, 2))

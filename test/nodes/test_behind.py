@@ -9,8 +9,8 @@ pytest.importorskip('rclpy', reason='rclpy is not installed')
 import ros_support
 
 from gear_dynamics.monitoring.health import Health
+from gear_dynamics.monitoring.level import Level
 from gear_dynamics.nodes.analyzer_health import AnalyzerHealth
-from gear_dynamics.nodes.diagnostics import Level
 from gear_dynamics.nodes.topics import Timed
 
 

@@ -65,7 +65,7 @@ class StubProcess:
 )
 def test_what_dies_is_started_again_at_most_thrice(monkeypatch, capsys, codes, exit_code, starts):
     stub = Stub(monkeypatch, codes)
-    assert rig.Rig().run([('analyzer', []), ('sim', [])]) == exit_code
+    assert rig.ProcessGroup().run([('analyzer', []), ('sim', [])]) == exit_code
     assert stub.starts.count('sim') == starts
     lines = capsys.readouterr().err.splitlines()
     assert sum('starting it again' in line for line in lines) == starts - 1

@@ -16,7 +16,7 @@ from gear_dynamics.study.declaration import study_module
 from gear_dynamics.study.drawing import save_figure
 from gear_dynamics.study.experiments.bifurcation import in_kind, in_place
 from gear_dynamics.study.findings import (
-    Finding,
+    MotionResult,
     differing_words,
     pooled,
     support_exponents,
@@ -173,7 +173,7 @@ def test_record_that_is_not_settled_is_named():
     drifting = np.random.default_rng(0).normal(size=(400, 10)) - np.arange(10) * 10
     drifting[:, 2] += np.linspace(0, 9, 400)
     found = lyapunov_spectrum(drifting, 1.0)
-    one = Finding(0.0, found, Regime('chaotic', 0, np.nan, 1.0, None), 0.0, 0.0, -1.0)
+    one = MotionResult(0.0, found, Regime('chaotic', 0, np.nan, 1.0, None), 0.0, 0.0, -1.0)
     assert unsettled_words([one]) == [
         '  not settled: 1 of 1 records, in exponents 3: run more cycles'
     ]

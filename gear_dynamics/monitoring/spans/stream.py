@@ -12,13 +12,18 @@ from gear_dynamics.machine.parts import DEFECTS
 from gear_dynamics.machine.shaft import Angle, SpeedColumn, Tacho
 from gear_dynamics.machine.source import Source
 from gear_dynamics.monitoring.health import Health
-from gear_dynamics.monitoring.results import ConditionResult, ConditionRow, Result, TableResult
-from gear_dynamics.monitoring.results import Span as ResultSpan
+from gear_dynamics.monitoring.level import Level
+from gear_dynamics.monitoring.results import (
+    ConditionResult,
+    ConditionRow,
+    Result,
+    StreamSpan,
+    TableResult,
+)
 from gear_dynamics.monitoring.spans.analysis import SpanAnalysis
 from gear_dynamics.monitoring.spans.data import Signal, Span, SpanResult
 from gear_dynamics.monitoring.spans.summary import MeanSpectrum
 from gear_dynamics.monitoring.task import columns_table
-from gear_dynamics.monitoring.thresholds import Level
 
 LONGEST_SPAN = 10.0
 """Span of a machine file that has `span: record` [s]: a stream has no end."""
@@ -173,7 +178,7 @@ class MachineMonitor:
         }
         duration = len(next(iter(channels.values())).values) / self._rate
         result = self._engine.analyse(Span(start, duration, channels, shafts))
-        span = ResultSpan(self._start_ns, duration)
+        span = StreamSpan(self._start_ns, duration)
         self.health.seconds += duration
         yield TableResult('spectrum', span, _spectrum(channels))
         yield ConditionResult(span, tuple(self._rows(result, channels)))

@@ -14,7 +14,7 @@ from gear_dynamics.study.drawing import new_figure
 from gear_dynamics.study.exponent_tables import exponent_columns
 from gear_dynamics.study.findings import (
     UNITS,
-    Finding,
+    MotionResult,
     convergence_of,
     differing_words,
     finding,
@@ -143,7 +143,7 @@ def attractor(
     )
 
 
-def _text(point: OperatingPoint, findings: Sequence[Finding]) -> str:
+def _text(point: OperatingPoint, findings: Sequence[MotionResult]) -> str:
     lines = [f'w = {point.frequency_ratio:.4f}, load torque {point.load_torque:g} N m']
     for each in findings:
         lines.append(

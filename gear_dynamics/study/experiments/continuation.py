@@ -11,7 +11,7 @@ import numpy as np
 from gear_dynamics import dynamics
 from gear_dynamics.dynamics.attractors import same_orbit
 from gear_dynamics.figure_style import COLOURS, INK
-from gear_dynamics.study.branch_tasks import ONE, Limits, branch_task, seeds_task
+from gear_dynamics.study.branch_tasks import ONE, BranchLimits, branch_task, seeds_task
 from gear_dynamics.study.declaration import Option, Study
 from gear_dynamics.study.drawing import legend_below, new_figure
 from gear_dynamics.study.operating_point import (
@@ -112,7 +112,7 @@ def continuation(
     point.value(parameter)
     check_range(begin=begin, end=end)
     runner = runner or Runner()
-    limits = Limits(parameter, begin, end, step, most)
+    limits = BranchLimits(parameter, begin, end, step, most)
     seats = [point.with_value(parameter, float(v)) for v in np.linspace(begin, end, places)]
     found: list[Arrays] = []
     with runner.progress(2 * places, 'branches'):
@@ -138,7 +138,11 @@ def _orbits_of(values: np.ndarray, seeds: list[Arrays]) -> Iterator[tuple[float,
 
 
 def _known(
-    point: OperatingPoint, limits: Limits, found: list[Arrays], value: float, states: np.ndarray
+    point: OperatingPoint,
+    limits: BranchLimits,
+    found: list[Arrays],
+    value: float,
+    states: np.ndarray,
 ) -> bool:
     """Return whether an orbit lies on a branch: Newton's method comes to it from a neighbour."""
     system = gear_map(point.with_value(limits.parameter, value))
@@ -158,7 +162,7 @@ def _known(
 
 def _follow(
     point: OperatingPoint,
-    limits: Limits,
+    limits: BranchLimits,
     value: float,
     states: np.ndarray,
     doublings: int,

@@ -13,7 +13,7 @@ from gear_dynamics.study.drawing import legend_below, new_figure, zero_line
 from gear_dynamics.study.exponent_tables import exponent_columns
 from gear_dynamics.study.findings import (
     UNITS,
-    Finding,
+    MotionResult,
     convergence_of,
     differing_words,
     finding,
@@ -94,7 +94,7 @@ def lyapunov(
     )
 
 
-def _text(point: OperatingPoint, findings: Sequence[Finding]) -> str:
+def _text(point: OperatingPoint, findings: Sequence[MotionResult]) -> str:
     lines = [
         f'Lyapunov exponents per tau = wn t at w = {point.frequency_ratio:.4f}, '
         f'load torque {point.load_torque:g} N m',
@@ -119,7 +119,7 @@ def _text(point: OperatingPoint, findings: Sequence[Finding]) -> str:
     return '\n'.join(lines)
 
 
-def _paragraph(group: Sequence[Finding]) -> list[str]:
+def _paragraph(group: Sequence[MotionResult]) -> list[str]:
     """Return the exponents of motions of one kind."""
     values, errors = pooled(
         np.array([each.exponents.values for each in group]),
@@ -137,7 +137,7 @@ def _paragraph(group: Sequence[Finding]) -> list[str]:
     ]
 
 
-def _table(findings: Sequence[Finding]) -> dict[str, np.ndarray]:
+def _table(findings: Sequence[MotionResult]) -> dict[str, np.ndarray]:
     columns: dict[str, list] = {
         'friction_coefficient [1]': [each.friction for each in findings],
         'kind [-]': [each.regime.words for each in findings],

@@ -24,7 +24,7 @@ class Due(NamedTuple):
     message: Any
 
 
-class Spread:
+class PublishSchedule:
     """Publishes messages when they are due.
 
     A block completes dozens of messages at once. Published at once they would overflow a listener

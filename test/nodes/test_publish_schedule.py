@@ -4,7 +4,7 @@ import pytest
 
 pytest.importorskip('rclpy')
 
-from gear_dynamics.nodes import spread
+from gear_dynamics.nodes import publish_schedule
 
 
 class Timer:
@@ -32,22 +32,22 @@ class Topic(list):
 def clock(monkeypatch):
     """A clock that the test sets [ns]."""
     now = [0]
-    monkeypatch.setattr(spread.time, 'monotonic_ns', lambda: now[0])
+    monkeypatch.setattr(publish_schedule.time, 'monotonic_ns', lambda: now[0])
     return now
 
 
 def block(topic, name, count, duration_ns=10_000_000):
-    return [spread.Due(i * duration_ns / count, topic, (name, i)) for i in range(count)]
+    return [publish_schedule.Due(i * duration_ns / count, topic, (name, i)) for i in range(count)]
 
 
 def test_each_tick_publishes_its_share(clock):
     node, one, two = Node(), Topic(), Topic()
-    messages = spread.Spread(node)
+    messages = publish_schedule.PublishSchedule(node)
     assert not node.timer.running
     messages.put(block(one, 'a', 20) + block(two, 'b', 10))
     counts = []
     for tick in range(1, 6):
-        clock[0] = round(tick * spread.TICK * 1e9)
+        clock[0] = round(tick * publish_schedule.TICK * 1e9)
         node.callback()
         counts.append((len(one), len(two)))
     before = [(0, 0), *counts]
@@ -60,7 +60,7 @@ def test_each_tick_publishes_its_share(clock):
 
 def test_the_next_block_pushes_out_the_one_before(clock):
     node, topic = Node(), Topic()
-    messages = spread.Spread(node)
+    messages = publish_schedule.PublishSchedule(node)
     messages.put(block(topic, 'a', 5))
     messages.put(block(topic, 'b', 5))
     assert topic == [('a', i) for i in range(5)]
@@ -71,6 +71,6 @@ def test_the_next_block_pushes_out_the_one_before(clock):
 
 def test_without_a_pace_all_goes_out_at_once(clock):
     node, topic = Node(), Topic()
-    spread.Spread(node).put(block(topic, 'a', 5, duration_ns=0))
+    publish_schedule.PublishSchedule(node).put(block(topic, 'a', 5, duration_ns=0))
     assert len(topic) == 5
     assert not node.timer.running
