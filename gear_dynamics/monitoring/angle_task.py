@@ -13,7 +13,7 @@ from gear_dynamics.monitoring.layout import MeshLayout
 from gear_dynamics.monitoring.phase_stream import AngularResampler
 from gear_dynamics.monitoring.spectrum_task import AveragedSpectrum
 from gear_dynamics.monitoring.task import Batch, Indicator, Task, TaskResult, columns_table
-from gear_dynamics.monitoring.wheel_average import INDICATORS, Harmonics, WheelAverage
+from gear_dynamics.monitoring.wheel_average import INDICATORS, Harmonics, Learned, WheelAverage
 from gear_dynamics.parameters.settings import AnalyzerSettings
 from gear_dynamics.signal.synchronous import hunting_revolutions
 
@@ -52,6 +52,8 @@ class AngleTask(Task):
         Where each new beginning is counted.
     harmonics : mapping of str to Harmonics
         What NB4 keeps of each wheel; it outlives this task.
+    normal : Learned
+        What is normal of each wheel.
     """
 
     name = 'averages'
@@ -67,7 +69,9 @@ class AngleTask(Task):
         channels: Sequence[str],
         restarts: collections.Counter[str],
         harmonics: dict[str, Harmonics],
+        normal: Learned,
     ) -> None:
+        self._normal = normal
         self._settings = settings
         self._layout = layout
         self._with_wheels = wheels
@@ -149,6 +153,7 @@ class AngleTask(Task):
                     self._settings.average_longest * self._rate,
                 ),
                 self._harmonics.setdefault(self._layout.wheels[side], {}),
+                self._normal,
             )
             for side in self._with_wheels
         ]

@@ -18,7 +18,7 @@ from gear_dynamics.monitoring.record import Factory
 from gear_dynamics.monitoring.spectrum_task import SpectrumTask
 from gear_dynamics.monitoring.statistics_task import StatisticsTask
 from gear_dynamics.monitoring.task import Indicator
-from gear_dynamics.monitoring.wheel_average import Harmonics
+from gear_dynamics.monitoring.wheel_average import Harmonics, Learned
 from gear_dynamics.parameters.settings import AnalyzerSettings
 
 
@@ -33,6 +33,8 @@ class Catalogue:
         Where work that begins anew is counted, by reason.
     harmonics : dict of str to Harmonics
         What NB4 keeps of each wheel, from record to record.
+    normal : Learned
+        What is normal.
     """
 
     def __init__(
@@ -41,7 +43,9 @@ class Catalogue:
         layout: Layout,
         restarts: collections.Counter[str],
         harmonics: dict[str, Harmonics],
+        normal: Learned,
     ) -> None:
+        self._normal = normal
         self._settings = settings
         self._layout = layout
         self._restarts = restarts
@@ -78,6 +82,7 @@ class Catalogue:
             self._layout.channels,
             self._restarts,
             self._harmonics,
+            self._normal,
         )
 
     def _contact_task(self, mesh: MeshLayout, length: int) -> ContactTask:

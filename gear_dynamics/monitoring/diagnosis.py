@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import collections
 from typing import NamedTuple
 
 import numpy as np
@@ -16,18 +17,27 @@ from gear_dynamics.signal.teeth import tooth_energy
 CHANCE = 1e-4
 """Chance of a healthy wheel below which a channel counts as a witness against a tooth."""
 
-LEAST_ENERGY = 3e-4
-"""Mean square of the residual signal at that tooth, over that of the regular signal: less is the
-remainder of slow changes of speed and load."""
+LEAST_ENERGY = 1e-5
+"""Mean square of the residual signal at that tooth, over that of the regular signal: slow changes
+of speed and load leave 1e-7 to 1e-6 that is not even from tooth to tooth."""
+
+BLIND = 1e-3
+"""The same of the median tooth, from which the noise of a channel hides small faults: it is then no
+witness for a sound wheel."""
+
+OVER_LEARNED = 30.0
+"""Energy of the greatest tooth over the learned one of the median tooth, from which a channel is a
+witness as well if that tooth stands out among the present ones by OVER_PRESENT."""
+
+OVER_PRESENT = 12.0
 
 LEAST_ORDER = 0.02
 MOST_ABOVE = 1000.0
 FEWEST_TEETH = 8
-ONCE_A_REVOLUTION = 10.0
-"""Ratio of order 1 to its surroundings from which a wheel is said to be eccentric or unbalanced."""
 
-LOCAL_FAULT = 0.5
-"""Agreement from which a tooth is named."""
+LOCAL = 'local fault'
+ONCE_A_REVOLUTION = 'once a revolution: eccentricity, unbalance or a bent shaft'
+"""Kinds of faults, in words."""
 
 TEETH_ALIKE = 'the teeth are alike'
 
@@ -45,8 +55,9 @@ class LocalFault(NamedTuple):
     Attributes
     ----------
     sure : float
-        Fraction of the channels with a difference signal in which this tooth or one beside it
-        stands out from the others.
+        Fraction of the channels in which this tooth or one beside it stands out from the others.
+        Channels without a difference signal do not count, and of those whose noise would hide a
+        fault only half.
     tooth : int
         From 0; that of the strongest witness if there is no fault.
     """
@@ -55,7 +66,9 @@ class LocalFault(NamedTuple):
     tooth: int
 
 
-def local_fault(parts: Parts, teeth: int, there: np.ndarray) -> LocalFault:
+def local_fault(
+    parts: Parts, teeth: int, there: np.ndarray, learned: np.ndarray | None = None
+) -> LocalFault:
     """Return the tooth that stands out in most channels.
 
     Parameters
@@ -65,10 +78,20 @@ def local_fault(parts: Parts, teeth: int, there: np.ndarray) -> LocalFault:
     teeth : int
     there : ndarray of bool
         Channels with a difference signal.
+    learned : ndarray, optional
+        What `tooth_level` was when the wheel was sound, by channel; NaN where it is not known.
+        Where a vibration lasts for many teeth, it tells more than the other teeth do.
     """
     found = tooth_energy(without_alternation(parts.residual, teeth), teeth)
-    large = found.energy.max(axis=0) >= LEAST_ENERGY * rms(parts.regular) ** 2
-    witness = there & large & (found.chance < CHANCE)
+    regular = rms(parts.regular) ** 2
+    large = found.energy.max(axis=0) >= LEAST_ENERGY * regular
+    median = np.median(found.energy, axis=0)
+    witness = found.chance < CHANCE
+    if learned is not None:
+        # A comparison with NaN is false.
+        above = found.energy.max(axis=0) > OVER_LEARNED * np.exp(learned) * regular
+        witness |= above & (found.energy.max(axis=0) > OVER_PRESENT * median)
+    witness &= there & large
     best = int(np.argmax(np.where(there, found.score, -np.inf)))
     if not witness.any():
         return LocalFault(0.0, int(found.tooth[best]))
@@ -76,8 +99,21 @@ def local_fault(parts: Parts, teeth: int, there: np.ndarray) -> LocalFault:
     named = found.tooth[witness]
     apart = np.abs((named[:, np.newaxis] - named + teeth // 2) % teeth - teeth // 2)
     votes = (apart <= 1).sum(axis=1)
-    tooth = int(named[np.argmax(votes)])
-    return LocalFault(float(votes.max()) / int(there.sum()), tooth)
+    # Of neighbours that as many channels name, the first: vibration never precedes a fault.
+    named = named[apart[np.argmax(votes)] <= 1]
+    counts = collections.Counter(named.tolist())
+    tooth = max(sorted(counts), key=lambda each: 2 * counts[each] + counts[(each + 1) % teeth])
+    blind = there & ~witness & (median >= BLIND * regular)
+    return LocalFault(float(votes.max() / (there.sum() - blind.sum() / 2)), tooth)
+
+
+def tooth_level(parts: Parts, teeth: int) -> np.ndarray:
+    """Return the logarithm of the median tooth's energy over the regular signal's, by channel."""
+    energy = tooth_energy(without_alternation(parts.residual, teeth), teeth).energy
+    median = np.median(energy, axis=0)
+    regular = rms(parts.regular) ** 2
+    with np.errstate(divide='ignore', invalid='ignore'):
+        return np.asarray(np.log(median / regular))
 
 
 def without_alternation(residual: np.ndarray, teeth: int) -> np.ndarray:

@@ -238,7 +238,13 @@ class Monitor:
             self.health.missing += self._check.missing
         else:
             self._operating.restart()
-        tasks = Catalogue(self._settings, self._layout, self.health.restarts, self._harmonics)
+        tasks = Catalogue(
+            self._settings,
+            self._layout,
+            self.health.restarts,
+            self._harmonics,
+            self._judge.normal,
+        )
         self._record = Record(
             self._layout, tasks.factories(), self._judge, self._operating, self.health, stamp_ns
         )

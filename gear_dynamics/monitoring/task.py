@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import abc
 import dataclasses
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
@@ -57,6 +58,34 @@ class Batch:
     bin: Bin
 
 
+class Condition(NamedTuple):
+    """A fault that a span shows.
+
+    Attributes
+    ----------
+    indicator : str
+        The value that it is judged by.
+    kind : str
+        What is wrong, in words, such as 'local fault'.
+    sure : float
+        How sure that is, 0 to 1; NaN if it is not known.
+    tooth, teeth : int
+        Tooth from 0, and teeth of the wheel; None and 0 for a fault that belongs to no tooth.
+    """
+
+    indicator: str
+    kind: str
+    sure: float = math.nan
+    tooth: int | None = None
+    teeth: int = 0
+
+    def text(self, subject: str) -> str:
+        """Return the fault in words."""
+        place = subject if self.tooth is None else f'{subject}, tooth {self.tooth}'
+        sure = '' if math.isnan(self.sure) else f', {self.sure:.1f}'
+        return f'{place}: {self.kind}{sure}'
+
+
 @dataclasses.dataclass(frozen=True)
 class Row:
     """Values of one subject.
@@ -76,8 +105,8 @@ class Row:
         Values that are learned into the baseline and not published.
     over_reference : mapping of str to tuple
         Values to be divided by the square of a reference: (numerator, name of the reference).
-    fault : str
-        What is wrong, in words that stay the same while it lasts; empty if nothing is.
+    conditions : sequence of Condition
+        What may be wrong; it is if its indicator is beyond its limit.
     """
 
     subject: str
@@ -87,7 +116,7 @@ class Row:
     reason: str = ''
     references: Mapping[str, float] = dataclasses.field(default_factory=dict)
     over_reference: Mapping[str, tuple[float, str]] = dataclasses.field(default_factory=dict)
-    fault: str = ''
+    conditions: Sequence[Condition] = ()
 
 
 @dataclasses.dataclass(frozen=True)

@@ -16,6 +16,7 @@ from gear_dynamics.monitoring.level import Level
 from gear_dynamics.parameters.yaml_text import YamlError, read_yaml
 
 BOUNDS = ('warn', 'error', 'below_warn', 'below_error')
+TIMES = ('warn_times', 'error_times')
 
 MOST_CHANGES = 1000
 
@@ -38,6 +39,9 @@ class Limit:
         Whether the limits are multiples of the learned mean. Such a limit does not count until
         the operating bin is learned, and the value must also lie outside what the scatter of the
         learned values explains.
+    warn_times, error_times : float
+        Where the bin is learned, the upper limits are no less than so many times the learned mean;
+        0 for limits that are the same everywhere.
     """
 
     warn: float = math.inf
@@ -45,6 +49,13 @@ class Limit:
     below_warn: float = -math.inf
     below_error: float = -math.inf
     relative: bool = False
+    warn_times: float = 0.0
+    error_times: float = 0.0
+
+    @property
+    def learns(self) -> bool:
+        """Whether the values are learned."""
+        return self.relative or max(self.warn_times, self.error_times) > 0
 
 
 class Change(NamedTuple):
@@ -143,7 +154,14 @@ class Thresholds:
         """Return the level that an indicator is in."""
         return self._levels.get(f'{subject}/{name}', Level.OK)
 
-    def level(self, subject: str, name: str, value: float, normal: Normal | None = None) -> Level:
+    def level(
+        self,
+        subject: str,
+        name: str,
+        value: float,
+        normal: Normal | None = None,
+        hold: bool = False,
+    ) -> Level:
         """Return the level of an indicator with its new value; NaN leaves it as it was.
 
         Parameters
@@ -152,6 +170,8 @@ class Thresholds:
         value : float
         normal : Normal, optional
             What was learned of the indicator in the present operating bin.
+        hold : bool
+            Whether the level may rise alone, since the fault that raised it is still named.
         """
         limit = self.limit(subject, name)
         if limit is None:
@@ -166,16 +186,31 @@ class Thresholds:
         for candidate in (Level.WARN, Level.ERROR):
             if sum(each >= candidate for each in recent) >= self._rule.raised:
                 level = candidate
-        if self._rule.latch:
+        if self._rule.latch or hold:
             level = max(level, held)
         self._set(subject, name, level, value)
         return level
+
+    def beyond(self, subject: str, name: str, value: float, normal: Normal | None = None) -> bool:
+        """Return whether one value lies beyond the first limit, whatever the level is."""
+        limit = self.limit(subject, name)
+        if limit is None or math.isnan(value) or (limit.relative and normal is None):
+            return False
+        return self._momentary(limit, Level.OK, value, normal) > Level.OK
+
+    @property
+    def rule(self) -> AlarmRule:
+        """How limits become levels."""
+        return self._rule
 
     def _momentary(self, limit: Limit, held: Level, value: float, normal: Normal | None) -> Level:
         level = Level.OK
         for candidate in (Level.WARN, Level.ERROR):
             word = candidate.name.lower()
             upper = _bound(getattr(limit, word), limit, normal, self._rule.false_alarms, 1)
+            times = getattr(limit, f'{word}_times')
+            if times and normal is not None:
+                upper = max(upper, times * normal.mean)
             lower = _bound(
                 getattr(limit, f'below_{word}'), limit, normal, self._rule.false_alarms, -1
             )
@@ -246,8 +281,9 @@ def _rule(path: str | Path, content: Mapping[str, Any]) -> AlarmRule:
 def _limit(path: str | Path, key: Any, value: Any) -> Limit:
     if str(key).count('/') != 1:
         raise ThresholdError(f'{path}: limit {key!r} must be named SUBJECT/NAME or */NAME')
-    if not isinstance(value, dict) or not value or not set(value) <= {*BOUNDS, 'relative'}:
-        raise ThresholdError(f'{path}: {key} must be a mapping of {", ".join(BOUNDS)}, relative')
+    if not isinstance(value, dict) or not value or not set(value) <= {*BOUNDS, *TIMES, 'relative'}:
+        allowed = ', '.join((*BOUNDS, *TIMES))
+        raise ThresholdError(f'{path}: {key} must be a mapping of {allowed}, relative')
     relative = value.get('relative', False)
     if not isinstance(relative, bool):
         raise ThresholdError(f'{path}: {key} relative is {relative!r}: it must be true or false')

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
+from gear_dynamics.monitoring.baseline import Normal
 from gear_dynamics.monitoring.diagnosis import (
-    LOCAL_FAULT,
+    LOCAL,
     ONCE_A_REVOLUTION,
     TEETH_ALIKE,
     local_fault,
     once_per_revolution,
+    tooth_level,
 )
-from gear_dynamics.monitoring.task import OWN, Bin, Indicator, Row, TaskResult
+from gear_dynamics.monitoring.task import OWN, Bin, Condition, Indicator, Row, TaskResult
 from gear_dynamics.signal import indicators
 from gear_dynamics.signal.interpolation import ACCURATE_BAND
 from gear_dynamics.signal.segments import SegmentBuffer
@@ -43,6 +45,12 @@ INDICATORS = (
 )
 """Of a wheel and a channel; the wheel's name and an underscore come first."""
 
+TOOTH_LEVEL = 'tooth_level'
+"""Name of the learned level of the teeth."""
+
+Learned = Callable[[Bin, str], Normal | None]
+"""Returns what was learned of SUBJECT/NAME in an operating bin."""
+
 Harmonics = dict[Bin, np.ndarray]
 """The mesh harmonic that NB4 follows, by operating bin, one number a channel."""
 
@@ -66,6 +74,8 @@ class WheelAverage:
         that lasts longer is cut to complete revolutions.
     harmonics : Harmonics
         What NB4 knows of this wheel.
+    normal : Learned
+        What is normal of it.
     """
 
     def __init__(
@@ -77,7 +87,9 @@ class WheelAverage:
         channels: Sequence[str],
         lengths: tuple[float, float],
         harmonics: Harmonics,
+        normal: Learned,
     ) -> None:
+        self._normal = normal
         self._wheel = wheel
         self._teeth, self._other = teeth
         self._points = self._teeth * points
@@ -160,24 +172,29 @@ class WheelAverage:
                     },
                 )
             )
-        rows.append(self._fault(parts, difference, notes))
+        rows.append(self._fault(parts, difference, notes, bin_))
         return rows
 
-    def _fault(self, parts: Parts, there: np.ndarray, notes: dict[str, str]) -> Row:
-        fault = local_fault(parts, self._teeth, there)
+    def _fault(self, parts: Parts, there: np.ndarray, notes: dict[str, str], bin_: Bin) -> Row:
+        fault = local_fault(parts, self._teeth, there, self._learned(TOOTH_LEVEL, bin_))
         once = once_per_revolution(parts, self._teeth)
         values = {
             'local_fault': fault.sure,
             'tooth': float(fault.tooth),
             'once_per_revolution': once,
         }
-        if fault.sure < LOCAL_FAULT:
-            if once < ONCE_A_REVOLUTION:
-                return Row(self._wheel, values, notes, TEETH_ALIKE)
-            found = f'{self._wheel}, once a revolution: eccentricity, unbalance or a bent shaft'
-            return Row(self._wheel, values, notes, found, fault=found)
-        found = f'{self._wheel}, tooth {fault.tooth}: local fault'
-        return Row(self._wheel, values, notes, f'{found}, {fault.sure:.1f}', fault=found)
+        conditions = [
+            Condition('local_fault', LOCAL, fault.sure, fault.tooth, self._teeth),
+            Condition('once_per_revolution', ONCE_A_REVOLUTION),
+        ]
+        return Row(self._wheel, values, notes, TEETH_ALIKE, conditions=conditions)
+
+    def _learned(self, name: str, bin_: Bin) -> np.ndarray:
+        """Return what was learned of this wheel by channel; NaN where it is not known."""
+        learned = [
+            self._normal(bin_, f'{channel}/{self._wheel}_{name}') for channel in self._channels
+        ]
+        return np.array([math.nan if each is None else each.mean for each in learned])
 
     def _values(
         self, average: np.ndarray, parts: Parts, there: np.ndarray
@@ -206,7 +223,9 @@ class WheelAverage:
             self._harmonics[bin_] = harmonic
         envelope = indicators.mesh_envelope(average, self._teeth, harmonic)
         modulated = np.std(envelope, axis=0) >= indicators.NOTHING * np.mean(envelope, axis=0)
-        references, over = {}, {}
+        level = tooth_level(parts, self._teeth)
+        references = {f'{self._wheel}_{TOOTH_LEVEL}': np.where(residual, level, math.nan)}
+        over = {}
         for name, signal, there in (
             ('na4', parts.residual, residual),
             ('nb4', envelope, modulated),

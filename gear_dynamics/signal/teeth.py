@@ -28,7 +28,8 @@ class ToothEnergy(NamedTuple):
         That at which the greatest energy begins: vibration rings on after a fault, never before.
     score : ndarray
         Logarithm of its energy over the median of all, in standard deviations of the logarithms
-        of the other teeth (estimated by their median absolute deviation).
+        of the other teeth (estimated by their median absolute deviation); or that of its energy
+        over the tooth before, if it is greater.
     chance : ndarray
         Probability that the teeth of a healthy wheel give this score, at most 1.
     """
@@ -38,6 +39,10 @@ class ToothEnergy(NamedTuple):
     score: np.ndarray
     chance: np.ndarray
 
+
+EFFICIENCY = 0.37
+"""Of the median absolute deviation: it is as uncertain as the standard deviation of so many times
+fewer values (Rousseeuw and Croux 1993)."""
 
 FLOOR = 1e-2
 """Energy, as a fraction of the greatest, below which teeth count as alike: without noise, how a
@@ -49,7 +54,10 @@ its beginning: a tooth is in mesh for more than one cycle, and near a resonance 
 greatest in the second."""
 
 STANDS_OUT = 1.5
-"""Logarithm of that energy over the median, from which that tooth stands out too."""
+"""Logarithm of that energy over that of the quiet teeth, from which that tooth stands out too."""
+
+QUIET = 0.25
+"""Share of the teeth that are quiet even where vibration lasts for many teeth."""
 
 MOST_BEFORE = 2
 """Teeth by which the beginning can lie before the greatest energy."""
@@ -59,8 +67,13 @@ def tooth_energy(signal: npt.ArrayLike, teeth: int, *, axis: int = 0) -> ToothEn
     """Compare the energy of a signal during the mesh cycle of each tooth with the other teeth.
 
     A healthy wheel has teeth alike: the logarithms of their energies scatter normally, and the
-    probability of the greatest is that of Student's t with teeth - 2 degrees of freedom, times the
-    number of teeth. A local fault makes one tooth stand out.
+    probability of the greatest is that of Student's t, with the degrees of freedom that the
+    scatter of the others is known by, times the number of comparisons. A local fault makes one tooth stand out.
+
+    Near a resonance the vibration that a fault excites lasts for many teeth, and all of them stand
+    out from the healthy wheel. The energy then falls evenly from tooth to tooth and rises once, so
+    that the rise from the tooth before is compared in the same way. That makes three comparisons a
+    tooth, since the energy may be greatest in the second cycle of its mesh.
 
     Parameters
     ----------
@@ -81,20 +94,29 @@ def tooth_energy(signal: npt.ArrayLike, teeth: int, *, axis: int = 0) -> ToothEn
     energy = np.add.reduceat(signal**2, edges, axis=0) / counts
     floor = np.maximum(FLOOR * energy.max(axis=0), np.finfo(float).tiny)
     level = np.log(np.maximum(energy, floor))
-    median = np.median(level, axis=0)
+    # A tooth is in mesh for more than one cycle: its energy may rise in the second alone.
+    rise = np.maximum(level, np.roll(level, -1, axis=0)) - np.roll(level, 1, axis=0)
+    score = np.maximum(_greatest(level, LEAST_SCATTER), _greatest(rise, 2 * LEAST_SCATTER))
+    chance = np.minimum(3 * teeth * special.stdtr(EFFICIENCY * (teeth - 1), -score), 1.0)
+    # The floor would hide the quiet teeth, and so the tooth at which the energy begins to rise.
+    unlimited = np.log(np.maximum(energy, np.finfo(float).tiny))
+    return ToothEnergy(np.moveaxis(energy, 0, axis), _beginning(unlimited), score, chance)
+
+
+def _greatest(values: np.ndarray, least: float) -> np.ndarray:
+    """Return how far the greatest lies above the median, in standard deviations of the others."""
+    median = np.median(values, axis=0)
     # 1.4826 times the median absolute deviation is the standard deviation of a normal distribution.
-    scatter = 1.4826 * np.median(np.abs(level - median), axis=0)
-    score = (level.max(axis=0) - median) / np.maximum(scatter, LEAST_SCATTER)
-    chance = np.minimum(teeth * special.stdtr(teeth - 2, -score), 1.0)
-    energy = np.moveaxis(energy, 0, axis)
-    return ToothEnergy(energy, _beginning(level, median), score, chance)
+    scatter = 1.4826 * np.median(np.abs(values - median), axis=0)
+    return np.asarray((values.max(axis=0) - median) / np.maximum(scatter, least))
 
 
-def _beginning(level: np.ndarray, median: np.ndarray) -> np.ndarray:
+def _beginning(level: np.ndarray) -> np.ndarray:
     """Return the tooth at which the greatest energy begins, from the logarithms of all."""
     teeth = len(level)
     tooth = np.argmax(level, axis=0)
-    least = np.maximum(level.max(axis=0) + math.log(ONSET), median + STANDS_OUT)
+    quiet = np.quantile(level, QUIET, axis=0)
+    least = np.maximum(level.max(axis=0) + math.log(ONSET), quiet + STANDS_OUT)
     begins = np.ones_like(tooth, dtype=bool)
     for _ in range(MOST_BEFORE):
         before = np.take_along_axis(level, np.expand_dims((tooth - 1) % teeth, 0), axis=0)[0]
