@@ -67,8 +67,9 @@ def tooth_energy(signal: npt.ArrayLike, teeth: int, *, axis: int = 0) -> ToothEn
     """Compare the energy of a signal during the mesh cycle of each tooth with the other teeth.
 
     A healthy wheel has teeth alike: the logarithms of their energies scatter normally, and the
-    probability of the greatest is that of Student's t, with the degrees of freedom that the
-    scatter of the others is known by, times the number of comparisons. A local fault makes one tooth stand out.
+    probability of the greatest is that of Student's t, with the degrees of freedom by which the
+    scatter of the others is known, times the number of comparisons. A local fault makes one tooth
+    stand out.
 
     Near a resonance the vibration that a fault excites lasts for many teeth, and all of them stand
     out from the healthy wheel. The energy then falls evenly from tooth to tooth and rises once, so
