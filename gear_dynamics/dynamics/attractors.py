@@ -17,6 +17,9 @@ NEAR = 0.05
 MOST = 0.95
 """Share of the points of a motion that must lie on an attractor without a period."""
 
+SPREAD = 2.0
+"""Factor between distances of nearest points within which two clouds of points are one."""
+
 
 class Attractor(NamedTuple):
     """An attractor on the section.
@@ -46,6 +49,25 @@ def same_orbit(first: np.ndarray, second: np.ndarray, tolerance: float = SAME) -
         return False
     shifted = (np.roll(second, shift, axis=0) for shift in range(len(second)))
     return any(float(np.abs(first - each).max()) <= tolerance for each in shifted)
+
+
+def same_cloud(first: np.ndarray, second: np.ndarray) -> bool:
+    """Return whether the points of two motions without a period cover one attractor.
+
+    They do if the points of each lie about as near to those of the other as to their own: medians
+    of the distances to the nearest other point, within a factor of SPREAD, or within NEAR.
+
+    first, second : (n, 2) arrays
+        Scaled points of the section.
+    """
+    from scipy.spatial import cKDTree
+
+    for points, others in ((first, second), (second, first)):
+        tree = cKDTree(others)
+        own = np.median(tree.query(others, k=2)[0][:, 1])
+        if np.median(tree.query(points)[0]) > max(SPREAD * own, NEAR):
+            return False
+    return True
 
 
 def reached(sections: np.ndarray, attractor: Attractor) -> np.ndarray:

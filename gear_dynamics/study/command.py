@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 ENDINGS = ('.npz', '.csv', '.txt', '.png', '_*.csv')
 """Of the files of a study."""
 
+RANGE_OPTIONS = ('--begin and --end', '--across-begin and --across-end')
+"""Of what a study sweeps, and of what it varies across."""
+
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 STOPPED = 130
@@ -125,7 +128,7 @@ def _checked_values(arguments: argparse.Namespace) -> dict[str, Any]:
 def _operation(arguments: argparse.Namespace) -> OperatingPoint:
     from gear_dynamics.study.operating_point import read_operating_point
 
-    swept = getattr(arguments, 'parameter', None) or _about(arguments).sweeps
+    swept = _swept(arguments)
     if arguments.params:
         point = read_operating_point(arguments.params, **_replaced(arguments.set, swept))
     else:
@@ -137,11 +140,12 @@ def _operation(arguments: argparse.Namespace) -> OperatingPoint:
         point = point._replace(pair=faulty(point.pair, read_faults(arguments.faults)))
     for name, value in arguments.set:
         shown = f'{value:g}' if isinstance(value, float) else value
-        if name == swept or {name, swept} == {'w', 'speed'}:
-            raise ValueError(
-                f'--set {name}={shown} would have no effect, as {arguments.study} sweeps '
-                f'{swept}: give --begin and --end'
-            )
+        for each, ends in zip(swept, RANGE_OPTIONS, strict=False):
+            if name == each or {name, each} == {'w', 'speed'}:
+                raise ValueError(
+                    f'--set {name}={shown} would have no effect, as {arguments.study} sweeps '
+                    f'{each}: give {ends}'
+                )
         if name == 'friction_coefficient' and 'frictions' in _about(arguments).options:
             raise ValueError(
                 f'--set {name}={shown} would have no effect: give {arguments.study} --frictions'
@@ -150,16 +154,25 @@ def _operation(arguments: argparse.Namespace) -> OperatingPoint:
     return point
 
 
+def _swept(arguments: argparse.Namespace) -> list[str]:
+    """Return what the study sweeps: its parameter, and that across it in a map."""
+    first = getattr(arguments, 'parameter', None) or _about(arguments).sweeps
+    second = ''
+    if 'across' in _about(arguments).options:
+        second = arguments.across or defaults(arguments.study)['across']
+    return [name for name in (first, second) if name]
+
+
 def _faults_told(point: OperatingPoint) -> str:
     """Return a line for each fault of the pair, to stand below the result."""
     return ''.join(f'\nwith {fault}' for fault in getattr(point.pair, 'faults', ()))
 
 
-def _replaced(settings: Sequence[tuple[str, Any]], swept: str) -> dict[str, float]:
+def _replaced(settings: Sequence[tuple[str, Any]], swept: Sequence[str]) -> dict[str, float]:
     """Return default speed and torque where those of a parameter file would have no effect."""
     from gear_dynamics.parameters.run_settings import RunSettings
 
-    run, names = RunSettings(), {name for name, _ in settings} | {swept}
+    run, names = RunSettings(), {name for name, _ in settings} | {*swept}
     names |= {'speed'} if 'w' in names else set()
     return {name: getattr(run, name) for name in ('speed', 'load_torque') if name in names}
 

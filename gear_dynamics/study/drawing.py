@@ -41,11 +41,11 @@ def save_figure(draw: Draw, arrays: Arrays, path: Path) -> None:
         draw(arrays).savefig(path, dpi=130)
 
 
-def legend_below(axes: Axes, handles: Sequence[Artist]) -> None:
-    """Put a legend below the labels of the axes, three in a row."""
+def legend_below(axes: Axes, handles: Sequence[Artist], ncols: int = 3) -> None:
+    """Put a legend below the labels of the axes, by default three in a row."""
     # Matplotlib 3.6, which Ubuntu 24.04 has, knows no legend outside of a figure's axes.
     below = {'loc': 'upper center', 'bbox_to_anchor': (0.5, 0.0), 'borderaxespad': 4.0}
-    axes.legend(handles=handles, ncols=3, **below)
+    axes.legend(handles=handles, ncols=ncols, **below)
 
 
 def draw_band(axes: Axes, x: np.ndarray, y: np.ndarray, error: np.ndarray, colour: str) -> None:

@@ -9,11 +9,16 @@ ZETA, MEAN, ERROR = 0.05, 0.1, 0.05
 """Damping ratio, mean load and error amplitude of Kahraman and Singh's form, over k b and b."""
 
 
-def kahraman_singh(w):
-    """Its stroboscopic map at a frequency ratio."""
-    point = study.OperatingPoint.from_dimensionless(
+def kahraman_singh_point(w):
+    """It at work at a frequency ratio."""
+    return study.OperatingPoint.from_dimensionless(
         frequency_ratio=w, mean_load=MEAN, damping_ratio=ZETA, error_amplitude=ERROR
     )
+
+
+def kahraman_singh(w):
+    """Its stroboscopic map at a frequency ratio."""
+    point = kahraman_singh_point(w)
     return dynamics.GearMap(point.pair, point.speed, point.load_torque)
 
 

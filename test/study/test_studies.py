@@ -230,6 +230,7 @@ SMALL = {
     'basins': {'size': 2, 'transient': 20},
     'orbits': {'longest': 2, 'starts': 1, 'transient': 20},
     'continuation': {'begin': 0.1, 'end': 0.12, 'places': 2, 'doublings': 0, 'step': 0.2},
+    'regimes': {'count': 2, 'across_count': 2, 'starts': 1, 'transient': 20, 'fine': 0},
     'response': {'begin': 0.1, 'end': 0.12, 'count': 2, 'transient': 20},
 }
 

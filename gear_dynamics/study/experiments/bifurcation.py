@@ -56,6 +56,7 @@ from gear_dynamics.study.sweep import (
     measure,
     unit_of,
 )
+from gear_dynamics.study.symbols import axis_label
 from gear_dynamics.study.tasks import Runner
 
 if TYPE_CHECKING:
@@ -331,7 +332,7 @@ WORDS = ('swept up', 'swept down')
 def draw(arrays: Arrays) -> Figure:
     """Draw a column for each friction coefficient."""
     frictions, parameter = arrays['friction'], str(arrays['parameter'])
-    label = 'mesh frequency / ωn' if parameter == 'w' else f'{parameter} [{unit_of(parameter)}]'
+    label = axis_label(parameter)
     title = f'Motion on the section against {label}'
     figure = new_figure(6.5 * max(len(frictions), 1.4), 7.5, title)
     grid = figure.subplots(

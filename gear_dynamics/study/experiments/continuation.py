@@ -22,6 +22,7 @@ from gear_dynamics.study.operating_point import (
 from gear_dynamics.study.orbit_starts import gear_map
 from gear_dynamics.study.outcome import Arrays, Outcome
 from gear_dynamics.study.sweep import check_range, unit_of
+from gear_dynamics.study.symbols import axis_label
 from gear_dynamics.study.tasks import Runner
 
 if TYPE_CHECKING:
@@ -299,8 +300,7 @@ def draw(arrays: Arrays) -> Figure:
     axes.plot([], [], '-', color=INK, label='stable')
     axes.plot([], [], '--', color=INK, label='unstable')
     parameter = str(arrays['parameter'])
-    named = 'mesh frequency / ωn' if parameter == FREQUENCY_RATIO else parameter
-    axes.set(xlabel=f'{named} [{unit_of(parameter)}]', ylabel='RMS of δ / b')
+    axes.set(xlabel=axis_label(parameter), ylabel='RMS of δ / b')
     axes.set_ylim(bottom=0)
     legend_below(axes, axes.get_legend_handles_labels()[0])
     return figure
