@@ -26,6 +26,7 @@ from numba.core.caching import CompileResultCacheImpl, FunctionCache
 from numba.misc.appdirs import AppDirs
 
 from gear_dynamics.digest import ROOT, module_digest
+from gear_dynamics.linking import Kernel, LinkedCacheImpl
 
 KEPT = 30 * 86400.0
 """Time after which a folder of kernels that no start has used is removed [s]."""
@@ -47,9 +48,9 @@ def kernel(function: Callable | None = None, **options: Any) -> Any:
         return functools.partial(kernel, **options)
     if numba.config.DISABLE_JIT:
         return _plain(function)
-    compiled = numba.njit(error_model='numpy', **options)(function)
+    compiled = Kernel(function, targetoptions={'nopython': True, 'error_model': 'numpy', **options})
     try:
-        compiled._cache = _KernelCache(function)
+        compiled._cache, compiled.linked._cache = _KernelCache(function), _LinkedCache(function)
     except RuntimeError:  # no folder can be written, or it is not of this package
         if Path(function.__code__.co_filename).resolve().is_relative_to(ROOT):
             _warn_of_no_folder()
@@ -111,10 +112,14 @@ class _CacheImpl(CompileResultCacheImpl):
     _locator_classes = [_Locator]  # noqa: RUF012
 
 
-class _KernelCache(FunctionCache):
-    _impl_class = _CacheImpl
+class _LinkedCacheImpl(LinkedCacheImpl):
+    _locator_classes = [_Locator]  # noqa: RUF012
 
+
+class _KernelCache(FunctionCache):
     """Numba's cache of one function, in the folder above; what goes wrong there stops nobody."""
+
+    _impl_class = _CacheImpl
 
     def load_overload(self, signature: Any, context: Any) -> Any:
         try:
@@ -129,6 +134,10 @@ class _KernelCache(FunctionCache):
         with contextlib.suppress(OSError):
             super().save_overload(signature, result)
             _remove_unused()
+
+
+class _LinkedCache(_KernelCache):
+    _impl_class = _LinkedCacheImpl
 
 
 def _folder(file: Path) -> Path:

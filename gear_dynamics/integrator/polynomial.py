@@ -69,3 +69,14 @@ def differentiate(a, degree, out):
     for i in range(1, degree + 1):
         out[i - 1] = i * a[i]
     return degree - 1
+
+
+@kernel
+def copy_rows(rows, first, out):
+    """Fill all rows of `out` with those of another array from row `first` on.
+
+    Not a slice assignment: its check of the shapes takes seconds to compile.
+    """
+    for i in range(out.shape[0]):
+        for j in range(out.shape[1]):
+            out[i, j] = rows[first + i, j]

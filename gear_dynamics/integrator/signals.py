@@ -21,7 +21,13 @@ from gear_dynamics.integrator.layout import (
     SUPPORT_K,
     SUPPORTED,
 )
-from gear_dynamics.integrator.polynomial import add_product, add_scaled, compose, differentiate
+from gear_dynamics.integrator.polynomial import (
+    add_product,
+    add_scaled,
+    compose,
+    copy_rows,
+    differentiate,
+)
 from gear_dynamics.integrator.tables import unpack
 
 _INVERSE = 1.0 / np.arange(1, ORDER + 3)
@@ -173,7 +179,7 @@ def _fill_push(motion):
         return 0
     push[:] = 0.0
     if supported:
-        motion.supports[:] = signals[SUPPORT_K : SUPPORT_K + 4]
+        copy_rows(signals, SUPPORT_K, motion.supports)
     for column in range(SUPPORTED):
         wheel = column // 2
         mass = p.m1 if wheel == 0 else p.m2

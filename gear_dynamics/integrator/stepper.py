@@ -238,16 +238,6 @@ def run(motion, zones, ports, jumps):
 
 
 @kernel
-def pass_section_before_sample(motion):
-    """Emit the section state that the present step has before the next sample.
-
-    `run` must have reached that sample.
-    """
-    until = time_of_sample(motion, motion.sampling.sample) - motion.step.begin
-    _pass_section(motion, max(until, 0.0), False)
-
-
-@kernel
 def interrupt(motion):
     """End the present step at the instant of the next sample, so that commands may change there.
 
@@ -262,8 +252,21 @@ def interrupt(motion):
 
 
 @kernel
+def _pass_section_before_sample(motion):
+    """Emit the section state that the present step has before the next sample.
+
+    `run` must have reached that sample.
+    """
+    until = time_of_sample(motion, motion.sampling.sample) - motion.step.begin
+    _pass_section(motion, max(until, 0.0), False)
+
+
+@kernel
 def fill_samples(motion, zones, ports, jumps, whole_every, out):
     """Fill the rows of `out` with the next samples; return their number and a status.
+
+    Without rows, step up to the instant of the next sample. A kernel of its own for that would
+    compile the whole stepper again.
 
     jumps : as in `run`
     whole_every : int
@@ -272,11 +275,14 @@ def fill_samples(motion, zones, ports, jumps, whole_every, out):
         Columns in the order of SAMPLE_COLUMNS.
     """
     step, sampling = motion.step, motion.sampling
-    i = 0
-    while i < out.shape[0]:
+    i, rows = 0, out.shape[0]
+    while i < rows or rows == 0:
         if step.length < 0 or time_of_sample(motion, sampling.sample) >= step.begin + step.length:
             status = run(motion, zones, ports, jumps)
             if status != DONE:
                 return i, status
+        if rows == 0:
+            _pass_section_before_sample(motion)
+            break
         i += write_due_samples(motion, whole_every, out, i)
     return i, DONE

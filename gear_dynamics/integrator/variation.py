@@ -31,6 +31,7 @@ from gear_dynamics.integrator.layout import (
     Y1,
     Y2,
 )
+from gear_dynamics.integrator.polynomial import copy_rows
 from gear_dynamics.integrator.polynomials import advance_columns
 from gear_dynamics.integrator.recurrence import (
     DAMPING,
@@ -111,7 +112,7 @@ def _take_segment(motion):
         for j in range(degree + 1):
             tangent.segment[row, j] = 0.0 if row % 3 == 2 else motion.segment[row, j]
     if motion.step.pushed == SUPPORTS_CHANGE:
-        tangent.supports[:] = motion.signals[SUPPORT_K : SUPPORT_K + 4]
+        copy_rows(motion.signals, SUPPORT_K, tangent.supports)
 
 
 @kernel

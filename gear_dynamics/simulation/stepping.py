@@ -9,8 +9,10 @@ import numpy as np
 
 from gear_dynamics.integrator import stepper
 from gear_dynamics.integrator.kernel import borrowed, kernel
-from gear_dynamics.integrator.layout import DRIVE_TORQUE, GEAR_SPEED
+from gear_dynamics.integrator.layout import DRIVE_TORQUE, GEAR_SPEED, HIGH_RATE_COLUMNS
 from gear_dynamics.parameters.parameter import ParameterError
+
+_NO_ROWS = np.zeros((0, HIGH_RATE_COLUMNS))
 
 
 class IntegrationError(RuntimeError):
@@ -35,7 +37,7 @@ def why_stopped(record: np.void, status: int, rtol: float) -> str:
 
 @kernel(nogil=True)
 def fill(records, zones, ports, jumps, whole_every, out):
-    """Fill rows of `out` with the next samples; return their number and a status."""
+    """Fill rows of `out` with the next samples; see `stepper.fill_samples`."""
     return stepper.fill_samples(
         records[0], borrowed(zones), borrowed(ports), borrowed(jumps), whole_every, borrowed(out)
     )
@@ -50,13 +52,9 @@ def hand_out(rows, samples, shafts):
         shafts[i, 0], shafts[i, 1] = rows[i, GEAR_SPEED], rows[i, DRIVE_TORQUE]
 
 
-@kernel
 def reach_sample(records, zones, ports, jumps):
     """Step up to the instant of the next sample; return a status."""
-    status = stepper.run(records[0], zones, ports, jumps)
-    if status == stepper.DONE:
-        stepper.pass_section_before_sample(records[0])
-    return status
+    return fill(records, zones, ports, jumps, 1, _NO_ROWS)[1]
 
 
 @kernel

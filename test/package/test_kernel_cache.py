@@ -41,7 +41,7 @@ def copy(tmp_path):
     """Return a folder with a copy of the package that has two small kernels more."""
     (tmp_path / 'copy' / digest.ROOT.name / 'integrator').mkdir(parents=True)
     package = tmp_path / 'copy' / digest.ROOT.name
-    for name in ('__init__.py', 'digest.py', 'kernels.py'):
+    for name in ('__init__.py', 'digest.py', 'kernels.py', 'linking.py'):
         shutil.copy(digest.ROOT / name, package)
     (package / 'integrator' / '__init__.py').touch()
     (package / 'integrator' / 'inner.py').write_text(INNER)
