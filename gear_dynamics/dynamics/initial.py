@@ -8,6 +8,7 @@ import numpy as np
 
 from gear_dynamics.dynamics.cycles import settings
 from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.parameters.number_lists import number_rows
 from gear_dynamics.simulation.batch import gather
 
 
@@ -30,6 +31,19 @@ def static_state(pair: GearPair, speed: float, load_torque: float) -> np.ndarray
     return gather([pair], [run], drive=False).records['state'][0]
 
 
+def error_at_phase_0(pair: GearPair, speed: float) -> tuple[float, float]:
+    """Return the transmission error [m] at mesh phase 0 and its rate [m/s], with all harmonics."""
+    rate = pair.pinion_teeth * speed
+    name = 'transmission_error_harmonics'
+    rows = [
+        (1.0, pair.transmission_error_amplitude, pair.transmission_error_phase),
+        *number_rows(name, getattr(pair, name), 3),
+    ]
+    error = sum(amplitude * math.sin(phase) for _, amplitude, phase in rows)
+    slope = sum(order * amplitude * math.cos(phase) for order, amplitude, phase in rows)
+    return error, rate * slope
+
+
 def states_at(
     pair: GearPair, speed: float, load_torque: float, delta: np.ndarray, delta_dot: np.ndarray
 ) -> np.ndarray:
@@ -49,10 +63,7 @@ def states_at(
     (n, STATES) array
     """
     b, wn = pair.half_backlash, pair.derived.wn
-    phase = pair.transmission_error_phase
-    rate = pair.pinion_teeth * speed
-    error = pair.transmission_error_amplitude * math.sin(phase)
-    error_rate = pair.transmission_error_amplitude * math.cos(phase) * rate
+    error, error_rate = error_at_phase_0(pair, speed)
     states = np.repeat(static_state(pair, speed, load_torque)[np.newaxis], len(delta), axis=0)
     states[:, 4] = b * np.asarray(delta) + error + states[:, 1] - states[:, 3]
     states[:, 10] = b * wn * np.asarray(delta_dot) + error_rate

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from gear_dynamics.dynamics.cycles import Cycles, run_cycles
+from gear_dynamics.dynamics.initial import error_at_phase_0
 from gear_dynamics.dynamics.tangent import free_coordinates
 from gear_dynamics.integrator.layout import STATES
 from gear_dynamics.integrator.variation import VARIED
@@ -133,14 +134,12 @@ class GearMap:
 
     def section(self, states: np.ndarray) -> np.ndarray:
         """Return delta / b and delta_dot / (b wn) of states, (..., 2)."""
-        pair = self.pair
-        phase, b = pair.transmission_error_phase, pair.half_backlash
-        error = pair.transmission_error_amplitude / b
-        rate = pair.pinion_teeth * self.speed / pair.derived.wn
+        b, wn = self.pair.half_backlash, self.pair.derived.wn
+        error, rate = error_at_phase_0(self.pair, self.speed)
         full = np.zeros((*states.shape[:-1], VARIED))
         full[..., self._free] = states
-        delta = full[..., 3] - full[..., 1] + full[..., 4] - error * np.sin(phase)
-        slope = full[..., 8] - full[..., 6] + full[..., 9] - error * rate * np.cos(phase)
+        delta = full[..., 3] - full[..., 1] + full[..., 4] - error / b
+        slope = full[..., 8] - full[..., 6] + full[..., 9] - rate / (b * wn)
         return np.stack([delta, slope], axis=-1)
 
     def contact(self, points: np.ndarray) -> OrbitContact:

@@ -40,6 +40,9 @@ ROS_NAMES = ('use_sim_time', 'start_type_description_service', 'qos_overrides')
 OPEN_PREFIXES = ('qos_overrides.', 'fault.')
 """Beginnings of names that are checked elsewhere: by ROS, and where faults are known."""
 
+DIMENSIONLESS = 'dimensionless'
+"""Top of a file that gives a published model by its dimensionless numbers."""
+
 EXAMPLE = '/**: {ros__parameters: {speed: 104.72}}'
 
 
@@ -81,6 +84,25 @@ def read_parameters(path: str | Path, node: str = '/gear_sim') -> dict[str, Any]
         names = ', '.join(name for name, _ in sections)
         raise ParameterError(f'{path}: no section is for {node}; there are {names}')
     return read_section(path, node)
+
+
+def read_dimensionless(path: str | Path) -> Mapping[str, Any] | None:
+    """Return what a file has under `dimensionless` at its top; None if it is another file.
+
+    Raises
+    ------
+    ParameterError
+        If the file cannot be read, or has anything beside that.
+    """
+    content = _load(path)
+    if DIMENSIONLESS not in content:
+        return None
+    numbers = content[DIMENSIONLESS]
+    if len(content) > 1 or not isinstance(numbers, Mapping):
+        raise ParameterError(
+            f'{path}: {DIMENSIONLESS} must be names with values, and nothing may stand beside it'
+        )
+    return numbers
 
 
 def read_section(path: str | Path, node: str) -> dict[str, Any]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple
 
+from gear_dynamics.model.dimensionless import read_rig
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.parameters.files import read_parameters
 from gear_dynamics.parameters.parameter import ParameterError, Value
 from gear_dynamics.parameters.settings import SimSettings
 
@@ -36,7 +36,7 @@ def read_pair(path: str | Path, node: str = '/gear_sim') -> PairFile:
     ParameterError
         In one line, if the file cannot be read or has a value that is not allowed.
     """
-    pair, values = GearPair.from_yaml(path, node), read_parameters(path, node)
+    pair, values = GearPair.from_yaml(path, node), read_rig(path, node)
     about = {each.name: each for each in SimSettings.parameters()}
     try:
         given = {name: about[name].check(values[name]) for name in OPERATION if name in values}

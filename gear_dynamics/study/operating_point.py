@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from gear_dynamics.config_files import config_file
+from gear_dynamics.model.dimensionless import read_rig, torque_of
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.parameters import files as parameter_files
 from gear_dynamics.parameters.parameter import ParameterError
 from gear_dynamics.parameters.run_settings import RunSettings
 
@@ -65,8 +65,7 @@ class OperatingPoint(NamedTuple):
             If a value is out of its range.
         """
         gears = GearPair.from_dimensionless(**pair)
-        d = gears.derived
-        torque = mean_load * d.single_stiffness * gears.half_backlash * d.gear_base_radius
+        torque = torque_of(gears, mean_load)
         point = cls(gears, RunSettings().speed, RunSettings().load_torque)
         return point.with_value('load_torque', torque).with_value(FREQUENCY_RATIO, frequency_ratio)
 
@@ -152,7 +151,7 @@ def read_operating_point(path: str | Path, **given: float) -> OperatingPoint:
         and none is given.
     """
     pair = GearPair.from_yaml(path)
-    values = parameter_files.read_parameters(path) | given
+    values = read_rig(path) | given
     for name in RUN_NAMES:
         if name not in values:
             default = getattr(RunSettings(), name)

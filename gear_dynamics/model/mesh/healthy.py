@@ -32,6 +32,10 @@ def healthy_ports(pair: GearPairParameters) -> Ports:
         relative = found.coefficients / stiffness(pair).single
         relative[:, 0] -= 1
         terms.append(ToothDeviation(None, None, found.edges, stiffness=relative))
+    if pair.mesh_stiffness == 'harmonic':
+        # Two pairs share the stiffness, and share the damping as well.
+        edges = np.array(PathOfContact.of(pair).edges)
+        terms.append(ToothDeviation(None, None, edges, damping=np.array([[-0.5], [0], [-0.5]])))
     terms += _tip_relief(pair)
     terms += _transmission_error(pair)
     return Ports(terms)
