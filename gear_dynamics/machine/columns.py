@@ -34,6 +34,13 @@ on the pinion [N m]."""
 CHANNELS = SAMPLE_COLUMNS[1:9]
 """The columns that vibrate."""
 
+ALONG = ('pinion_ay', 'gear_ay', 'mesh_force', 'delta_dot')
+ACROSS = ('pinion_ax', 'gear_ax', 'friction_force')
+"""Those along the line of action, and across it, where friction acts."""
+
+FORCE = 'mesh_force'
+"""That which the load makes."""
+
 EVENTS = np.dtype(
     [
         ('t', np.float64),

@@ -12,8 +12,8 @@ from scipy import fft
 from gear_dynamics.monitoring.layout import MeshLayout
 from gear_dynamics.monitoring.phase_stream import AngularResampler
 from gear_dynamics.monitoring.spectrum_task import AveragedSpectrum
-from gear_dynamics.monitoring.task import Batch, Indicator, Task, TaskResult, columns_table
-from gear_dynamics.monitoring.wheel_average import INDICATORS, Harmonics, Learned, WheelAverage
+from gear_dynamics.monitoring.task import Batch, Indicator, Learned, Task, TaskResult, columns_table
+from gear_dynamics.monitoring.wheel_average import INDICATORS, Harmonics, WheelAverage
 from gear_dynamics.parameters.settings import AnalyzerSettings
 from gear_dynamics.signal.synchronous import hunting_revolutions
 

@@ -6,13 +6,13 @@ import json
 import math
 import os
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from gear_dynamics.machine.machine import Machine
 from gear_dynamics.monitoring.operating import centre
-from gear_dynamics.monitoring.task import Bin
+from gear_dynamics.monitoring.task import Bin, Normal
 
 MOST_BINS = 2000
 MOST_BYTES = 200_000_000
@@ -21,14 +21,6 @@ FORM = 1
 
 class BaselineError(ValueError):
     """A baseline file cannot be used; the message says where and why in one line."""
-
-
-class Normal(NamedTuple):
-    """Mean and standard deviation of the values learned, and how many they were."""
-
-    mean: float
-    deviation: float
-    spans: int
 
 
 class Baseline:

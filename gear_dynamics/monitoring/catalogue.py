@@ -7,18 +7,20 @@ import difflib
 import functools
 from collections.abc import Iterable, Iterator
 
+from gear_dynamics.machine.columns import ACROSS, ALONG, FORCE
 from gear_dynamics.machine.machine import Machine
 from gear_dynamics.monitoring import diagnosis, wheel_average
 from gear_dynamics.monitoring.angle_task import AngleTask
 from gear_dynamics.monitoring.contact_task import ContactTask
 from gear_dynamics.monitoring.envelope_task import EnvelopeTask
 from gear_dynamics.monitoring.layout import Layout, MeshLayout
+from gear_dynamics.monitoring.mesh_task import MeshTask
 from gear_dynamics.monitoring.motion_task import MotionTask
 from gear_dynamics.monitoring.record import Factory
 from gear_dynamics.monitoring.spectrum_task import SpectrumTask
 from gear_dynamics.monitoring.statistics_task import StatisticsTask
-from gear_dynamics.monitoring.task import Indicator
-from gear_dynamics.monitoring.wheel_average import Harmonics, Learned
+from gear_dynamics.monitoring.task import Indicator, Learned
+from gear_dynamics.monitoring.wheel_average import Harmonics
 from gear_dynamics.parameters.settings import AnalyzerSettings
 
 
@@ -67,6 +69,9 @@ class Catalogue:
         for mesh in self._with_motion:
             yield functools.partial(self._contact_task, mesh, length)
             yield functools.partial(self._motion_task, mesh)
+            if {*ALONG, *ACROSS, FORCE} <= set(channels):
+                subject = self._subject('mesh', mesh)
+                yield functools.partial(MeshTask, subject, layout, mesh, length, self._normal)
 
     @functools.cached_property
     def _with_motion(self) -> list[MeshLayout]:
@@ -107,7 +112,11 @@ class Catalogue:
 OF_CHANNEL = (*StatisticsTask.indicators, *EnvelopeTask.indicators)
 OF_CHANNEL_AND_WHEEL = wheel_average.INDICATORS
 OF_WHEEL = diagnosis.INDICATORS
-OF_MESH = {'contact': ContactTask.indicators, 'motion': MotionTask.indicators}
+OF_MESH = {
+    'contact': ContactTask.indicators,
+    'motion': MotionTask.indicators,
+    'mesh': MeshTask.indicators,
+}
 
 
 def indicators(machine: Machine) -> dict[str, Indicator]:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 import time
 
-from gear_dynamics.monitoring.baseline import Baseline, Normal
+from gear_dynamics.monitoring.baseline import Baseline
 from gear_dynamics.monitoring.level import Level
 from gear_dynamics.monitoring.naming import Followed, Naming
 from gear_dynamics.monitoring.operating import Judgement
 from gear_dynamics.monitoring.results import ConditionResult, ConditionRow, StreamSpan
-from gear_dynamics.monitoring.task import Bin, Row
+from gear_dynamics.monitoring.task import Bin, Normal, Row
 from gear_dynamics.monitoring.thresholds import Thresholds
 
 WITHIN = 'within its limits'

@@ -10,7 +10,7 @@ from __future__ import annotations
 import abc
 import dataclasses
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +20,18 @@ OWN = 'own'
 
 Bin = tuple[int, int]
 """Operating bin: number of its speed and of its load."""
+
+
+class Normal(NamedTuple):
+    """Mean and standard deviation of the values learned, and how many they were."""
+
+    mean: float
+    deviation: float
+    spans: int
+
+
+Learned = Callable[[Bin, str], Normal | None]
+"""Returns what was learned of SUBJECT/NAME in an operating bin."""
 
 
 class Indicator(NamedTuple):

@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 
 from scipy import special
 
-from gear_dynamics.monitoring.baseline import Normal
 from gear_dynamics.monitoring.level import Level
+from gear_dynamics.monitoring.task import Normal
 from gear_dynamics.parameters.yaml_text import YamlError, read_yaml
 
 BOUNDS = ('warn', 'error', 'below_warn', 'below_error')

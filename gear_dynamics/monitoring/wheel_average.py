@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from gear_dynamics.monitoring.baseline import Normal
 from gear_dynamics.monitoring.diagnosis import (
     LOCAL,
     ONCE_A_REVOLUTION,
@@ -16,7 +15,7 @@ from gear_dynamics.monitoring.diagnosis import (
     once_per_revolution,
     tooth_level,
 )
-from gear_dynamics.monitoring.task import OWN, Bin, Condition, Indicator, Row, TaskResult
+from gear_dynamics.monitoring.task import OWN, Bin, Condition, Indicator, Learned, Row, TaskResult
 from gear_dynamics.signal import indicators
 from gear_dynamics.signal.interpolation import ACCURATE_BAND
 from gear_dynamics.signal.segments import SegmentBuffer
@@ -47,9 +46,6 @@ INDICATORS = (
 
 TOOTH_LEVEL = 'tooth_level'
 """Name of the learned level of the teeth."""
-
-Learned = Callable[[Bin, str], Normal | None]
-"""Returns what was learned of SUBJECT/NAME in an operating bin."""
 
 Harmonics = dict[Bin, np.ndarray]
 """The mesh harmonic that NB4 follows, by operating bin, one number a channel."""

@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from gear_dynamics.monitoring.baseline import Normal
+from gear_dynamics.monitoring.task import Normal
 from gear_dynamics.monitoring.thresholds import (
     AlarmRule,
     Level,
