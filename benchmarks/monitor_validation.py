@@ -120,7 +120,7 @@ def main() -> None:
     raised: collections.Counter[str] = collections.Counter()
     named: collections.Counter[str] = collections.Counter()
     averages: collections.Counter[str] = collections.Counter()
-    steady = 0.0
+    steady = told = 0.0
     first_named = None
     begin = time.monotonic()
     for stamp, rows, events, truly in walk(
@@ -129,6 +129,9 @@ def main() -> None:
         if fault and not simulator.faults and monitor.health.seconds > 60 * options.begin:
             simulator.change(faults=fault)
         steady += SECONDS * truly
+        if monitor.health.seconds >= told + 300:
+            told += 300
+            print(f'{told / 60:g} min: {dict(averages)}, raised {dict(raised)}', flush=True)
         results = monitor.add_block(stamp, rows) + monitor.add_events(stamp, events)
         for result in results:
             if not isinstance(result, ConditionResult):

@@ -45,7 +45,7 @@ CONSTANTS = np.dtype(
             # one tooth pair, mesh
             'k c b mu e_a phi0 z1 z2 pitch arm1 arm_sum '
             # drive
-            'kd cd ki '
+            'kd cd ki made_up '
             # th1 and th2 of psi
             'th1_psi th2_psi '
             # scales and tolerances
@@ -64,6 +64,7 @@ CONSTANTS = np.dtype(
 """k, c: of one tooth pair; pitch: base pitch; arm1: r1 sin a - l1; arm_sum: (rb1 + rb2) tan a;
 ratio: rb1 / rb2; inertia_t: It; th1_psi, th2_psi: what psi adds to th1 and takes from th2;
 fastest: bound of the natural frequencies [rad/s];
+made_up: torque that the drive adds per unit of T2*;
 drive: 1 for the six-coordinate form, 0 for the reduced one;
 hunting: tooth pairs until the same two teeth meet again; answers: see `recurrence`;
 torques: acceleration of the columns per torque on the pinion (row 0) and against the gear (1);
@@ -135,6 +136,7 @@ def pack(
         'kd': kd,
         'cd': cd,
         'ki': ki,
+        'made_up': equations.feed_forward(pair) if drive else 0.0,
         'th1_psi': system.angles[0, 0],
         'th2_psi': -system.angles[1, 0],
         'wn': derived.wn,

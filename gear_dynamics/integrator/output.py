@@ -163,5 +163,6 @@ def _write_shafts(motion, i, out, row):
         control = p.kd * q + p.cd * q_dot + p.ki * values[Q_SUM_VALUE, i] if p.drive else 0.0
         out[row, GEAR_SPEED] = p.ratio * turning - p.th2_psi * psi_dot
         out[row, DRIVE_TORQUE] = p.ratio * load + p.inertia_t * accel - control
+        out[row, DRIVE_TORQUE] += p.made_up * (load + p.inertia2 * p.ratio * accel)
         if motion.degrees[DRIVE_SIGNAL] >= 0:
             out[row, DRIVE_TORQUE] += _signal_at(motion, DRIVE_SIGNAL, tau)

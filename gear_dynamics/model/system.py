@@ -21,6 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.mean_friction import mean_friction_moment
 
 X1, Y1, X2, Y2, PSI, Q = range(6)
 """The coordinates."""
@@ -103,6 +104,9 @@ def system(pair: GearPair, drive: bool = True) -> System:
         loads[Q, FRICTION] = -ratio * arm_sum * by_inertia
         loads[Q, MOMENT] = (1 + ratio) * by_inertia
         torques[Q] = by_inertia, -ratio * by_inertia
+        made_up = feed_forward(pair)
+        loads[PSI, LOAD] += made_up * rb1 / inertia1
+        loads[Q, LOAD] = made_up * by_inertia
         control = drive_control(pair, inertia)
         for matrix, strength in zip((stiffness, damping), control[:2], strict=True):
             matrix[[PSI, Q], Q] = strength * (rb1 / inertia1), strength * by_inertia
@@ -144,6 +148,13 @@ def drive_control(pair: GearPair, inertia: float) -> np.ndarray:
     rate = 2 * math.pi * pair.drive_frequency
     kd = rate**2 * inertia
     return np.array([kd, 2 * pair.drive_damping_ratio * rate * inertia, kd * rate / 5])
+
+
+def feed_forward(pair: GearPair) -> float:
+    """Return the torque that the drive adds per unit of T2*, to make up the mean friction."""
+    if not pair.drive_feed_forward:
+        return 0.0
+    return mean_friction_moment(pair, *arms(pair))
 
 
 class PairInContact(NamedTuple):

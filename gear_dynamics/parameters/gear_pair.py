@@ -168,3 +168,6 @@ class GearPairParameters(ParameterSet):
     drive_damping_ratio: float = parameter(
         0.7, 'damping ratio of the drive control', minimum=0.05, maximum=10.0
     )
+    drive_feed_forward: bool = parameter(
+        False, 'whether the drive makes up the mean friction moment at once, by its static value'
+    )

@@ -16,6 +16,7 @@ import pytest
 from gear_dynamics.integrator import stepper
 from gear_dynamics.integrator.kernel import kernel
 from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.system import feed_forward
 from gear_dynamics.simulation.simulator import Simulator
 
 ACCURACY = 1e-8
@@ -86,7 +87,7 @@ class Ledger:
         force_i = pair.tooth_pair_stiffness * stretch + touches * d.tooth_pair_damping * delta_dot
         drive_rate = 2 * np.pi * pair.drive_frequency
         inertia = d.pinion_inertia + d.gear_inertia * self.ratio**2
-        drive = self.load * self.ratio - inertia * (
+        drive = self.load * (self.ratio + feed_forward(pair)) - inertia * (
             drive_rate**2 * q
             + 2 * pair.drive_damping_ratio * drive_rate * q_dot
             + drive_rate**3 / 5 * q_sum
@@ -169,6 +170,7 @@ def balance(pair, rpm, load_torque, cycles):
     ('rpm', 'load_torque', 'changes', 'losses'),
     [
         (1000, 150.0, {}, False),
+        (1000, 150.0, {'drive_feed_forward': True}, False),
         (3200, 150.0, {}, True),
         (8000, 150.0, {'friction_coefficient': 0.1}, True),
         (9500, 60.0, {'friction_coefficient': 0.2, 'half_backlash': 15e-6}, True),
