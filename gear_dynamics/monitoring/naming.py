@@ -12,6 +12,13 @@ CLEARED = 5
 """Results in a row without a fault, in operating bins in which it had been found, after which it is
 no longer named: no fault of a wheel heals from one result to the next."""
 
+NEAR = 3
+"""Teeth down to which a finding is of a fault that is named: where it excites a resonance, its
+vibration is greatest some teeth later."""
+
+CLEARLY = 2
+"""Times by which another tooth must have been found more often to be told in place of the first."""
+
 MOST_FAULTS = 20
 """Faults of one subject that are followed; of more the one found longest ago is forgotten."""
 
@@ -44,7 +51,15 @@ class Followed:
         if mine is None or its is None:
             return mine is its
         apart = abs(mine - its)
-        return min(apart, other.teeth - apart) <= 1
+        return min(apart, other.teeth - apart) <= (NEAR if self.named else 1)
+
+    def place(self, tooth: int | None) -> int | None:
+        """Count a place; return the one to tell: the first, or one much more frequent."""
+        self.places[tooth] += 1
+        most = max(self.places, key=lambda place: self.places[place])
+        told = self.condition.tooth
+        clear = self.places[most] > CLEARLY * self.places[told]
+        return most if clear or not self.named else told
 
 
 class Naming:
@@ -108,9 +123,5 @@ class Naming:
             return
         fault.recent.append(True)
         fault.misses[bin_] = 0
-        if not fault.named:
-            fault.places[found.tooth] += 1
-            fault.named = sum(fault.recent) >= self._raised
-        # While it is named its place does not change with every result.
-        tooth = max(fault.places, key=lambda place: fault.places[place])
-        fault.condition = found._replace(tooth=tooth)
+        fault.condition = found._replace(tooth=fault.place(found.tooth))
+        fault.named = fault.named or sum(fault.recent) >= self._raised

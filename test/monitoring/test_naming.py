@@ -104,3 +104,13 @@ def test_a_learned_value_raises_the_limit(learned, value, level):
     judged(made, [learned] * 3)
     made.thresholds.acknowledge()
     assert judged(made, [value] * 2)[-1].level == level
+
+
+def test_a_named_tooth_changes_only_for_one_found_much_more_often():
+    naming = Naming(2, 3)
+    teeth = []
+    for number, tooth in enumerate([7, 7, 5, 5, 7, 5, 5, 5, 5, 5]):
+        naming.update('gear', BIN, [local(tooth)], number)
+        teeth += [fault.condition.tooth for fault in naming.named('gear')]
+    # One fault all the time, told anew when tooth 5 was found seven times and tooth 7 three times.
+    assert teeth == [7] * 8 + [5]
