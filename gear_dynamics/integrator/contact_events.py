@@ -88,7 +88,7 @@ def _fill_held(motion, ahead):
     for k in range(ROWS):
         held[_HIGH, k] = motion.series[k, DELTA]
     if motion.contact.flawed[0, ahead]:
-        for k in range(motion.pair_degree[ahead] + 1):
+        for k in range(motion.pair_degrees[ahead, PAIR_ERROR] + 1):
             held[_HIGH, k] -= motion.pairs[ahead, PAIR_ERROR, k]
     if not motion.step.ported or motion.degrees[GAP] < 0:
         return _HIGH, _HIGH
@@ -113,7 +113,8 @@ def _highest_lift(motion, ahead):
     """Return a bound, over the step, of what flank error and backlash add to the drive edge."""
     lift, h = 0.0, motion.step.length
     if motion.contact.flawed[0, ahead]:
-        lift += _upper_bound(motion.pairs[ahead, PAIR_ERROR], motion.pair_degree[ahead], h)
+        degree = motion.pair_degrees[ahead, PAIR_ERROR]
+        lift += _upper_bound(motion.pairs[ahead, PAIR_ERROR], degree, h)
     if motion.degrees[GAP] >= 0:
         lift += _upper_bound(motion.signals[GAP], motion.degrees[GAP], h)
     return lift
@@ -154,6 +155,11 @@ def find_contact_change(motion, zone, entered):
     simple = alike and plain and not contact.flawed[0, 0] and not entered
     if simple and a == DRIVE and delta_stays_above(motion.series, step.length, motion.constants.b):
         return
+    if not alike and a == b == DRIVE and not entered:
+        # One look for both pairs, at the higher of their edges.
+        lift = max(_highest_lift(motion, 0), _highest_lift(motion, 1))
+        if delta_stays_above(motion.series, step.length, motion.constants.b + lift):
+            return
     t_a, next_a = _pair_change(motion, 0, entered)
     t_b, next_b = t_a, next_a
     if not alike or zone.pairs == 1:

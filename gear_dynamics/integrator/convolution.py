@@ -31,6 +31,7 @@ from gear_dynamics.integrator.layout import (
     SUPPORT_C,
     SUPPORT_K,
     SUPPORTED,
+    WIDTH,
     Q,
 )
 from gear_dynamics.integrator.recurrence import (
@@ -60,7 +61,9 @@ from gear_dynamics.integrator.vector import (
     one_of,
     place,
     spread,
+    store,
     vector_of,
+    with_lane,
 )
 
 _INVERSE = 1.0 / np.arange(1, ORDER + 3)
@@ -73,24 +76,44 @@ def fold(motion, own):
     """Fill what the orders of the segment do to each column: K_j and C_j, and the offsets."""
     answers, folded = motion.constants.answers, own.folded
     for j in range(motion.step.stiffness_degree + 1):
-        for c in range(COLUMNS):
-            folded[j, c] = _folded(answers, own.segment, 0, j, c)
-            folded[j, COLUMNS + c] = _folded(answers, own.segment, 1, j, c)
+        put_folded(answers, own.segment, 0, j, folded, 2 * j)
+        put_folded(answers, own.segment, 1, j, folded, 2 * j + 1)
     for j in range(motion.step.degree + 1):
-        for c in range(COLUMNS):
-            own.offsets[j, c] = _folded(answers, own.segment, 2, j, c)
+        put_folded(answers, own.segment, 2, j, own.offsets, j)
 
 
-@kernel
-def _folded(answers, segment, row, j, c):
-    """Return what order j of stiffness (row 0), damping (1) or offset (2) does to a column."""
-    # The lane of delta, which is made from the others, carries the friction force.
-    friction = 1.0 if c == DELTA else answers[TO_FRICTION, c]
-    return (
-        answers[TO_FORCE, c] * segment[SEG_FORCE + row, j]
-        + friction * segment[SEG_FRICTION + row, j]
-        + answers[TO_MOMENT, c] * segment[SEG_MOMENT + row, j]
-    )
+@vector_code(plain.put_folded)
+def put_folded(typing_context, answers, segment, row, j, out, index):
+    """Put what order j of stiffness (row 0), damping (1) or offset (2) does to each column.
+
+    out : array; index : which eight numbers of it. Column DELTA, which is made from the others,
+    has the friction force.
+    """
+
+    def generate(context, builder, signature, arguments):
+        answers_data, segment_data, target = data_of_arrays(
+            context, builder, signature.args, arguments
+        )
+        first, order, place_of_row = (
+            context.cast(builder, arguments[i], signature.args[i], types.int64) for i in (2, 3, 5)
+        )
+        at = builder.add(builder.mul(first, ir.Constant(INT, WIDTH)), order)
+        total = None
+        for to, rows in (
+            (TO_FORCE, SEG_FORCE),
+            (TO_FRICTION, SEG_FRICTION),
+            (TO_MOMENT, SEG_MOMENT),
+        ):
+            per_unit = answers_row(builder, answers_data, to)
+            if to == TO_FRICTION:
+                per_unit = with_lane(builder, per_unit, vector_of(1.0), DELTA)
+            number = number_at(builder, segment_data, ahead(builder, at, 1, WIDTH * rows))
+            product = builder.fmul(per_unit, spread(builder, number))
+            total = product if total is None else builder.fadd(total, product)
+        store(builder, total, target, ahead(builder, place_of_row, LANES, 0))
+        return context.get_dummy_value()
+
+    return types.void(answers, segment, row, j, out, index), generate
 
 
 @kernel
@@ -99,14 +122,18 @@ def fold_varying_offset(motion):
 
     With constant stiffness and damping, `recurrence.fill_pushed_orders` takes them as its push.
     """
-    offsets, push = motion.offsets, motion.push
-    answers, segment = motion.constants.answers, motion.segment
-    for k in range(ROWS):
+    offsets, push, degree = motion.offsets, motion.push, motion.step.degree
+    for c in range(COLUMNS):
+        offsets[0, c] = 0.0
+    for k in range(1, degree + 1):
+        put_folded(motion.constants.answers, motion.segment, 2, k, offsets, k)
+    for k in range(degree + 1, ROWS):
         for c in range(COLUMNS):
-            offsets[k, c] = push[k, c] if motion.step.pushed else 0.0
-    for k in range(1, motion.step.degree + 1):
-        for c in range(COLUMNS):
-            offsets[k, c] += _folded(answers, segment, 2, k, c)
+            offsets[k, c] = 0.0
+    if motion.step.pushed:
+        for k in range(ROWS):
+            for c in range(COLUMNS):
+                offsets[k, c] += push[k, c]
 
 
 @kernel

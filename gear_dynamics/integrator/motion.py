@@ -126,6 +126,8 @@ def set_model(
     step['pushed'] = 0
     contact['active'] = contact['flawed'] = 0
     record['degrees'] = -1
+    step['degree'] = 0
+    record['segment'] = 0.0
     # Where a cycle begins, rounding may leave the phase just below zero.
     begins, phase = motion.zones['begin'], record['phase']
     phase['zone'] = max(np.searchsorted(begins, phase['phase'], side='right') - 1, 0)

@@ -198,6 +198,17 @@ def fill_pushed_orders(
         friction[k] += push[k, DELTA] + (rubs[2] if k == 0 else 0.0)
 
 
+def put_folded(answers, segment, row, j, out, index):
+    """Put what order j of stiffness (row 0), damping (1) or offset (2) does to each column."""
+    friction = answers[TO_FRICTION].copy()
+    friction[DELTA] = 1.0
+    out.reshape(-1)[COLUMNS * index : COLUMNS * (index + 1)] = (
+        answers[TO_FORCE] * segment[SEG_FORCE + row, j]
+        + friction * segment[SEG_FRICTION + row, j]
+        + answers[TO_MOMENT] * segment[SEG_MOMENT + row, j]
+    )
+
+
 def fill_convolved_orders(
     answers,
     folded,

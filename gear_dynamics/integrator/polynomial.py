@@ -16,7 +16,14 @@ def compose(coefficients, x0, x1, x2, out):
     while top > 0 and coefficients[top] == 0.0:
         top -= 1
     out[0] = coefficients[top]
-    degree, by = 0, 1 if x2 == 0.0 else 2
+    if x2 == 0.0:
+        for j in range(top - 1, -1, -1):
+            out[top - j] = x1 * out[top - j - 1]
+            for i in range(top - j - 1, 0, -1):
+                out[i] = x0 * out[i] + x1 * out[i - 1]
+            out[0] = x0 * out[0] + coefficients[j]
+        return top
+    degree, by = 0, 2
     for j in range(top - 1, -1, -1):
         for i in range(degree + 1, degree + by + 1):
             out[i] = 0.0

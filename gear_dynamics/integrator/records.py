@@ -164,7 +164,7 @@ MOTION = _in_cache_lines(
         **_CONVOLUTION,
         'tangent': (TANGENT, ()),
         'pairs': (np.float64, (TOOTH_PAIRS, PAIR_ROWS, ROWS)),
-        'pair_degree': (np.int64, (TOOTH_PAIRS,)),
+        'pair_degrees': (np.int64, (TOOTH_PAIRS, PAIR_ROWS)),
         'scratch': (np.float64, (7, 2 * ROWS)),
         'events': (EVENTS, (EVENT_ROOM,)),
     }

@@ -19,6 +19,7 @@ from gear_dynamics.integrator.layout import (
     SEG_FORCE,
     SEG_FRICTION,
     SEG_MOMENT,
+    SEGMENT,
     WIDTH,
 )
 from gear_dynamics.integrator.polynomial import add_product, add_scaled, differentiate
@@ -65,15 +66,23 @@ def fill_mesh(motion, zone):
     The signals and the deviations of the tooth pairs must be there.
     """
     contact, degrees = motion.contact, motion.degrees
+    _clear(motion.segment, motion.step.degree)
     alike = zone.pairs == 1 or contact.state[0, 0] == contact.state[0, 1]
     deviates = contact.active[0, 0] or (zone.pairs == 2 and contact.active[0, 1])
     if not motion.step.ported or (alike and not deviates and degrees[GAP] < 0 and degrees[MU] < 0):
         return _fill_healthy(motion, zone)
     degree = motion.step.stiffness_degree = 0
-    motion.segment[:] = 0.0
     for ahead in range(zone.pairs):
         degree = max(degree, _add_pair(motion, zone, ahead))
     return degree
+
+
+@kernel
+def _clear(segment, degree):
+    """Set a segment to zero, which is so beyond its degree."""
+    for row in range(SEGMENT):
+        for j in range(degree + 1):
+            segment[row, j] = 0.0
 
 
 @kernel
@@ -107,14 +116,17 @@ def _fill_pair(motion, zone, ahead):
     if not p.damping_in_gap:
         lift = add_scaled(s[_LIFT], lift, signals[GAP], degrees[GAP], flank * 1.0, 0.0, WIDTH + 1)
     if motion.contact.active[0, ahead]:
-        own, degree = motion.pairs[ahead], motion.pair_degree[ahead]
-        k = add_scaled(s[_STIFFNESS], k, own[PAIR_STIFFNESS], degree, stiffness, 0.0, WIDTH)
-        c = add_scaled(s[_DAMPING], c, own[PAIR_DAMPING], degree, damping, 0.0, WIDTH)
-        mu = add_scaled(
-            s[_FRICTION], mu, own[PAIR_FRICTION], degree, flank * sliding * 1.0, 0.0, WIDTH
+        own, last = motion.pairs[ahead], motion.pair_degrees[ahead]
+        k = add_scaled(
+            s[_STIFFNESS], k, own[PAIR_STIFFNESS], last[PAIR_STIFFNESS], stiffness, 0.0, WIDTH
         )
+        c = add_scaled(s[_DAMPING], c, own[PAIR_DAMPING], last[PAIR_DAMPING], damping, 0.0, WIDTH)
+        rubs = flank * sliding * 1.0
+        mu = add_scaled(s[_FRICTION], mu, own[PAIR_FRICTION], last[PAIR_FRICTION], rubs, 0.0, WIDTH)
         if motion.contact.flawed[0, ahead]:
-            lift = add_scaled(s[_LIFT], lift, own[PAIR_ERROR], degree, 1.0, 0.0, WIDTH + 1)
+            lift = add_scaled(
+                s[_LIFT], lift, own[PAIR_ERROR], last[PAIR_ERROR], 1.0, 0.0, WIDTH + 1
+            )
     rate = differentiate(s[_LIFT], lift, s[_RATE])
     if p.damping_in_gap:
         # The damper then knows nothing of the edges, and so nothing of their motion.

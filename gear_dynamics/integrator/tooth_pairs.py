@@ -59,7 +59,7 @@ def _add_piece(motion, piece, ramp, ahead):
     if contact.active[0, ahead] == 0:
         contact.active[0, ahead] = 1
         rows[:] = 0.0
-        motion.pair_degree[ahead] = 0
+        motion.pair_degrees[ahead, :] = -1
     if piece.flawed:
         contact.flawed[0, ahead] = 1
     turn = motion.constants.z1 / (2 * math.pi)
@@ -67,14 +67,13 @@ def _add_piece(motion, piece, ramp, ahead):
     place = (motion.phase.phase + ahead - piece.begin) * by_length
     rate = turn * motion.commands.speed * by_length
     half_ramp = 0.5 * turn * motion.commands.accel * by_length
-    degree = motion.pair_degree[ahead]
+    degrees, grows = motion.pair_degrees[ahead], 1 if slope != 0.0 else 0
     for row in range(PAIR_ROWS):
         if row == PAIR_ERROR and not piece.flawed:
             continue
         size = compose(piece.coefficients[row], place, rate, half_ramp, scratch)
         if size == 0 and scratch[0] == 0.0:
             continue
-        # A row is zero beyond its terms, so that all rows may have the largest degree.
+        # A row is zero beyond its terms.
         add_scaled(rows[row], ROWS - 1, scratch, size, factor, slope, ROWS)
-        degree = max(degree, min(size + (1 if slope != 0.0 else 0), ROWS - 1))
-    motion.pair_degree[ahead] = degree
+        degrees[row] = max(degrees[row], min(size + grows, ROWS - 1))

@@ -165,6 +165,21 @@ def test_recurrence_by_convolution(rng):
         assert_alike(convolution, 'fill_convolved_orders', given, empty, 1e-9)
 
 
+def test_what_a_segment_does_to_each_column(rng):
+    answers, segment, *_ = machine(rng)
+    segment[:] = rng.standard_normal(segment.shape)
+    if numba.config.DISABLE_JIT:
+        return
+    results = []
+    for function in (compiled(convolution, 'put_folded', 6), plain.put_folded):
+        out = np.zeros((3, 16))
+        function(answers, segment, 1, 4, out, 3)
+        results.append(out)
+    np.testing.assert_array_equal(*results)
+    assert results[0][1, 8:].all()
+    assert np.count_nonzero(results[0]) == 8
+
+
 PROGRAM = """
 import sys
 import numpy as np
