@@ -9,6 +9,7 @@ from gear_dynamics.lazy import load
 _EXPORTS = {
     'arclength': ('Curve', 'CurvePoint'),
     'attractors': ('Attractor', 'assign', 'reached', 'same_cloud', 'same_orbit'),
+    'basin_measures': ('basin_entropy', 'uncertainty_exponent', 'wilson_interval'),
     'branches': ('Bifurcation', 'Branch', 'continuation', 'doubled_guess'),
     'cycles': ('Cycles', 'run_cycles'),
     'embedding': ('cao_dimension', 'embed', 'mean_period', 'mutual_information_lag'),

@@ -9,6 +9,7 @@ import numpy as np
 
 from gear_dynamics import dynamics
 from gear_dynamics.dynamics.attractors import Attractor, assign, reached, same_orbit
+from gear_dynamics.dynamics.basin_measures import BOX
 from gear_dynamics.dynamics.regimes import (
     ENOUGH,
     LONGEST_STUDIED,
@@ -55,7 +56,12 @@ UNITS = {
     'kind': '-',
     'period': 'cycles',
     'share': '1',
-    'share_error': '1',
+    'share_low': '1',
+    'share_high': '1',
+    'entropy': '1',
+    'boundary_entropy': '1',
+    'uncertainty_exponent': '1',
+    'uncertainty_error': '1',
     'points': 'b, b wn',
     'points_of': '1',
     **EXPONENT_UNITS,
@@ -259,6 +265,7 @@ def _arrays(labels: np.ndarray, found: _Table) -> Arrays:
     rank[order] = np.arange(len(order))
     attractors = [found.attractors[i] for i in order]
     share = counts[order] / labels.size
+    low, high = dynamics.wilson_interval(counts[order], labels.size)
     arrays = {
         'label': rank[labels],
         'names': np.array([_name(each) for each in attractors]),
@@ -266,13 +273,27 @@ def _arrays(labels: np.ndarray, found: _Table) -> Arrays:
         'period': np.array([each.period for each in attractors]),
         'share': share,
         # As of independent draws; the states of a grid scatter less.
-        'share_error': np.sqrt(share * (1 - share) / labels.size),
+        'share_low': low,
+        'share_high': high,
         'points': np.concatenate([each.points for each in attractors]),
         'points_of': np.repeat(np.arange(len(order)), [len(each.points) for each in attractors]),
     }
+    arrays |= _picture(labels)
     for name in EXPONENT_UNITS:
         arrays[name] = np.concatenate([found.assessed[i][name] for i in order])
     return arrays
+
+
+def _picture(labels: np.ndarray) -> Arrays:
+    """Return the basin entropy and the uncertainty exponent of the picture, NaN if too small."""
+    box = dynamics.basin_entropy(labels, min(BOX, *labels.shape))
+    slope = dynamics.uncertainty_exponent(labels)
+    return {
+        'entropy': np.array(box.entropy),
+        'boundary_entropy': np.array(box.boundary_entropy),
+        'uncertainty_exponent': np.array(slope.exponent),
+        'uncertainty_error': np.array(slope.standard_error),
+    }
 
 
 def _name(attractor: Attractor) -> str:
@@ -286,11 +307,19 @@ def _text(point: OperatingPoint, arrays: Arrays) -> str:
         f'w = {point.frequency_ratio:.4f}, mu = {point.pair.friction_coefficient:g}, '
         f'load torque {point.load_torque:g} N m: {arrays["label"].size} initial states'
     ]
-    columns = (arrays[name] for name in ('share', 'share_error', 'names'))
+    columns = (arrays[name] for name in ('share', 'share_low', 'share_high', 'names'))
     largest = zip(arrays['exponents'][:, 0], arrays['standard_errors'][:, 0], strict=True)
-    for share, error, name, (value, spread) in zip(*columns, largest, strict=True):
+    for share, low, high, name, (value, spread) in zip(*columns, largest, strict=True):
         lines.append(
-            f'  {share:6.1%} +- {error:.1%}  {name}, largest exponent {value:+.4f} +- {spread:.4f}'
+            f'  {share:6.1%} ({low:.1%} to {high:.1%})  {name}, '
+            f'largest exponent {value:+.4f} +- {spread:.4f}'
+        )
+    if len(arrays['names']) > 1:
+        lines.append(
+            f'Basin entropy {arrays["entropy"]:.3f}, of the boxes on boundaries '
+            f'{arrays["boundary_entropy"]:.3f} (fractal for certain above ln 2 = 0.693); '
+            f'uncertainty exponent {arrays["uncertainty_exponent"]:.2f} +- '
+            f'{arrays["uncertainty_error"]:.2f} (1 for a smooth boundary)'
         )
     lines.append(verdict(arrays['settled'], arrays['sum_error']))
     return '\n'.join(lines)
@@ -310,7 +339,8 @@ def _tables(arrays: Arrays) -> dict[str, dict[str, np.ndarray]]:
             'kind [-]': arrays['kind'],
             'period [cycles]': arrays['period'],
             'share [1]': arrays['share'],
-            'share_error [1]': arrays['share_error'],
+            'share_low [1]': arrays['share_low'],
+            'share_high [1]': arrays['share_high'],
             'settled [1]': arrays['settled'].all(axis=-1).astype(int),
             'sum_error [1]': arrays['sum_error'],
             **exponent_columns(arrays['exponents'], arrays['standard_errors']),
