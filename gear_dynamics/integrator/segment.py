@@ -15,6 +15,7 @@ from gear_dynamics.integrator.layout import (
     PAIR_DAMPING,
     PAIR_ERROR,
     PAIR_FRICTION,
+    PAIR_ROWS,
     PAIR_STIFFNESS,
     SEG_FORCE,
     SEG_FRICTION,
@@ -69,7 +70,7 @@ def fill_mesh(motion, zone):
     _clear(motion.segment, motion.step.degree)
     alike = zone.pairs == 1 or contact.state[0, 0] == contact.state[0, 1]
     deviates = contact.active[0, 0] or (zone.pairs == 2 and contact.active[0, 1])
-    if not motion.step.ported or (alike and not deviates and degrees[GAP] < 0 and degrees[MU] < 0):
+    if not motion.step.ported or (alike and not deviates and degrees[MU] < 0):
         return _fill_healthy(motion, zone)
     degree = motion.step.stiffness_degree = 0
     for ahead in range(zone.pairs):
@@ -99,7 +100,28 @@ def _fill_healthy(motion, zone):
     _fill_rows(segment, SEG_FORCE, float(zone.pairs), stiffness, damping, offset)
     _fill_rows(segment, SEG_FRICTION, friction, stiffness, damping, offset)
     _fill_rows(segment, SEG_MOMENT, moment, stiffness, damping, offset)
-    return 0
+    if not motion.step.ported or motion.degrees[GAP] < 0 or contact == IN_GAP:
+        return 0
+    forces = (float(zone.pairs), friction, moment)
+    return _widen_gap(motion, contact * stiffness, contact * damping, forces)
+
+
+@kernel
+def _widen_gap(motion, stiffness, damping, forces):
+    """Add what widens the half backlash to the offsets of pairs that are alike.
+
+    forces : how many times the force of one pair is in F, Ff and the moment. Return the degree.
+    """
+    segment, wider, last = motion.segment, motion.signals[GAP], motion.degrees[GAP]
+    degree = min(last, WIDTH - 1)
+    for j in range(degree + 1):
+        force = stiffness * wider[j]
+        if j < last and not motion.constants.damping_in_gap:
+            force += damping * ((j + 1) * wider[j + 1])
+        segment[SEG_FORCE + 2, j] -= forces[0] * force
+        segment[SEG_FRICTION + 2, j] -= forces[1] * force
+        segment[SEG_MOMENT + 2, j] -= forces[2] * force
+    return degree
 
 
 @kernel
@@ -135,9 +157,46 @@ def _fill_pair(motion, zone, ahead):
 
 
 @kernel
+def _constant(motion, ahead):
+    """Return whether nothing of a tooth pair varies within the step."""
+    degrees = motion.pair_degrees[ahead]
+    varies = motion.degrees[GAP] >= 0 or motion.degrees[MU] >= 0
+    if motion.contact.active[0, ahead]:
+        for row in range(PAIR_ROWS):
+            varies = varies or degrees[row] > 0
+    return not varies
+
+
+@kernel
+def _add_constant_pair(motion, zone, ahead):
+    """Add one tooth pair, of which nothing varies, to the segment."""
+    p, segment = motion.constants, motion.segment
+    flank = motion.contact.state[0, ahead]
+    sliding = zone.sliding_a if ahead == 0 else zone.sliding_b
+    stiffness, damping = _pair_forces(p, zone, flank)
+    lift, friction = flank * p.b, flank * sliding * p.mu
+    if motion.contact.active[0, ahead]:
+        own = motion.pairs[ahead]
+        stiffness += stiffness * own[PAIR_STIFFNESS, 0]
+        damping += damping * own[PAIR_DAMPING, 0]
+        friction += flank * sliding * own[PAIR_FRICTION, 0]
+        if motion.contact.flawed[0, ahead]:
+            lift += own[PAIR_ERROR, 0]
+    offset = -stiffness * lift
+    moment = friction * (p.arm1 + (motion.phase.phase + ahead) * p.pitch)
+    for row, factor in ((SEG_FORCE, 1.0), (SEG_FRICTION, friction), (SEG_MOMENT, moment)):
+        segment[row, 0] += factor * stiffness
+        segment[row + 1, 0] += factor * damping
+        segment[row + 2, 0] += factor * offset
+
+
+@kernel
 def _add_pair(motion, zone, ahead):
     """Add one tooth pair to the segment; return the degree of what it adds."""
     p, segment, s, step = motion.constants, motion.segment, motion.scratch, motion.step
+    if _constant(motion, ahead):
+        _add_constant_pair(motion, zone, ahead)
+        return 0
     k, c, lift, rate, mu = _fill_pair(motion, zone, ahead)
     offset = add_product(s[_OFFSET], -1, s[_STIFFNESS], k, s[_LIFT], lift, -1.0, WIDTH)
     offset = add_product(s[_OFFSET], offset, s[_DAMPING], c, s[_RATE], rate, -1.0, WIDTH)

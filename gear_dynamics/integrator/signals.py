@@ -94,11 +94,13 @@ def _add_wave(motion, wave, ramp):
     for k in range(last + 1):
         scratch[k] = sine
         factor_rate = rate * _INVERSE[k]
-        factor_ramp = 2 * half_ramp * _INVERSE[k]
-        sine_next = factor_rate * cosine + factor_ramp * cosine_before
-        cosine_next = -(factor_rate * sine + factor_ramp * sine_before)
-        sine_before, cosine_before = sine, cosine
-        sine, cosine = sine_next, cosine_next
+        sine_next, cosine_next = factor_rate * cosine, factor_rate * sine
+        if half_ramp != 0.0:
+            factor_ramp = 2 * half_ramp * _INVERSE[k]
+            sine_next += factor_ramp * cosine_before
+            cosine_next += factor_ramp * sine_before
+            sine_before, cosine_before = sine, cosine
+        sine, cosine = sine_next, -cosine_next
         power *= reach * _INVERSE[k]
         if power < _NEGLIGIBLE and k >= wave.derivative + 3:
             last = k

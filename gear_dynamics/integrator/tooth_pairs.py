@@ -58,8 +58,10 @@ def _add_piece(motion, piece, ramp, ahead):
         return
     if contact.active[0, ahead] == 0:
         contact.active[0, ahead] = 1
-        rows[:] = 0.0
-        motion.pair_degrees[ahead, :] = -1
+        for row in range(PAIR_ROWS):
+            for k in range(motion.pair_degrees[ahead, row] + 1):
+                rows[row, k] = 0.0
+            motion.pair_degrees[ahead, row] = -1
     if piece.flawed:
         contact.flawed[0, ahead] = 1
     turn = motion.constants.z1 / (2 * math.pi)
