@@ -88,7 +88,7 @@ def test_a_worker_killed_in_the_middle_leaves_every_bit_as_it_was(address, tmp_p
     here = study.basins(CHAOS, **size)
     assert there.text == here.text
     for name, array in here.arrays.items():
-        assert np.array_equal(there.arrays[name], array), name
+        np.testing.assert_array_equal(there.arrays[name], array, name)
 
 
 @pytest.mark.parametrize(

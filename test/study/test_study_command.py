@@ -79,7 +79,7 @@ def test_a_stopped_study_goes_on_and_loses_nothing(whole, tmp_path):
     assert output.startswith(whole.text)
     with np.load(tmp_path / 'basins.npz') as stored:
         for name, array in whole.arrays.items():
-            assert np.array_equal(stored[name], array), name
+            np.testing.assert_array_equal(stored[name], array, name)
     names = sorted(path.name for path in tmp_path.iterdir())
     tables = ['basins_attractors.csv', 'basins_convergence.csv', 'basins_points.csv']
     assert names == ['basins.csv', 'basins.npz', 'basins.png', 'basins.txt', *tables]
