@@ -39,7 +39,7 @@ HEAD = other.record(other.string_schema()) + other.record(other.string_channel()
 MESSAGES = b''.join(other.string_record(n) for n in range(5))
 BOMB = 1 << 28
 """Bytes into which a small frame grows; more than the reader allows."""
-SLOW = 5.0
+SLOW = 60.0
 """Seconds of CPU after which a reader counts as hanging."""
 
 
