@@ -13,8 +13,9 @@ OLDEST := .venv-oldest
 unexport PYTHONPATH PYTHONHOME AMENT_PREFIX_PATH RMW_IMPLEMENTATION LD_LIBRARY_PATH
 unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 
-# Many tests wait for a stream: two at a time fill two cores.
-PYTEST := -m pytest --numprocesses 2 --dist worksteal
+# Many tests wait for a stream: two at a time fill two cores. The tests of a file share what takes
+# long to set up, so they stay on one core.
+PYTEST := -m pytest --numprocesses 2 --dist loadfile --no-loadscope-reorder
 
 .PHONY: demo live quick test test-oldest fuzz mutants soak validate pictures docs readme
 .DEFAULT_GOAL := demo

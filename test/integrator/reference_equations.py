@@ -65,9 +65,12 @@ class Pair:
 
 def piece_at(begin, end, coefficients, at):
     """Return a polynomial of the place between begin and end, and its slope."""
-    piece = np.polynomial.Polynomial(coefficients)
     x = (at - begin) / (end - begin)
-    return float(piece(x)), float(piece.deriv()(x)) / (end - begin)
+    value = slope = 0.0
+    for coefficient in reversed(coefficients):
+        slope = slope * x + value
+        value = value * x + float(coefficient)
+    return value, slope / (end - begin)
 
 
 class Equations:
