@@ -31,7 +31,7 @@ PACKAGE = 'gear_dynamics'
 KERNEL_ROOMS = ('integrator',)
 """Rooms whose code is mostly compiled."""
 
-GENERATORS = ('vector.py', 'lanes.py', 'polynomials.py', 'recurrence.py')
+GENERATORS = ('vector.py', 'lanes.py', 'polynomials.py')
 """Files of the integrator that generate vector instructions, which plain Python does not run."""
 
 TESTS = {

@@ -11,15 +11,17 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from gear_dynamics.integrator.layout import COLUMNS, COORDINATES, Q_SUM, Q
-from gear_dynamics.integrator.recurrence import (
+from gear_dynamics.integrator.layout import (
     ANSWERS,
+    COLUMNS,
+    COORDINATES,
     DAMPING,
     STIFFNESS,
     TO_FORCE,
     TO_Q,
     TO_Q_DOT,
     TO_Q_SUM,
+    Q,
 )
 from gear_dynamics.model import system as equations
 from gear_dynamics.model.gear_pair import GearPair
@@ -66,7 +68,7 @@ ratio: rb1 / rb2; inertia_t: It; th1_psi, th2_psi: what psi adds to th1 and take
 fastest: bound of the natural frequencies [rad/s];
 made_up: torque that the drive adds per unit of T2*;
 drive: 1 for the six-coordinate form, 0 for the reduced one;
-hunting: tooth pairs until the same two teeth meet again; answers: see `recurrence`;
+hunting: tooth pairs until the same two teeth meet again; answers: see `layout`;
 torques: acceleration of the columns per torque on the pinion (row 0) and against the gear (1);
 scales: of the columns of a series, to weigh them against each other."""
 
@@ -184,8 +186,6 @@ def _answers(system: equations.System, values: dict[str, float]) -> np.ndarray:
     rows[TO_Q, :n] = -system.stiffness[:, Q]
     rows[TO_Q_DOT, :n] = -system.damping[:, Q]
     rows[TO_Q_SUM, :n] = -system.integral
-    if values['drive']:
-        rows[TO_Q_DOT, Q_SUM] = 1.0
     return rows
 
 

@@ -13,6 +13,7 @@ from gear_dynamics.integrator.layout import (
     AX2,
     AY1,
     AY2,
+    DAMPING,
     DELTA,
     FORCE,
     FRICTION,
@@ -24,6 +25,10 @@ from gear_dynamics.integrator.layout import (
     SEG_FRICTION,
     SEG_MOMENT,
     SPEED,
+    STIFFNESS,
+    TO_FORCE,
+    TO_FRICTION,
+    TO_MOMENT,
     X1,
     X2,
     Y1,
@@ -32,13 +37,6 @@ from gear_dynamics.integrator.layout import (
     T,
 )
 from gear_dynamics.integrator.output import operate
-from gear_dynamics.integrator.recurrence import (
-    DAMPING,
-    STIFFNESS,
-    TO_FORCE,
-    TO_FRICTION,
-    TO_MOMENT,
-)
 from gear_dynamics.integrator.series import value_and_slope
 
 VALUE, SLOPE, CURVATURE = range(3)

@@ -20,6 +20,12 @@ SUPPORTED = 4
 PSI_VALUE, Q_VALUE, DELTA_VALUE, Q_SUM_VALUE = range(7, 11)
 VALUES = 11
 
+# Rows of `constants.answers`: what the second derivative of each coordinate is made of.
+TO_FORCE, TO_FRICTION, TO_MOMENT, TO_LOAD, STIFFNESS, DAMPING, TO_Q, TO_Q_DOT, TO_Q_SUM = range(9)
+ANSWERS = 9
+"""Per unit of mesh force, friction force, moment and load side torque, of the coordinate itself and
+its derivative (by its support), and of q, its derivative and its integral (by the drive)."""
+
 STATES = 13
 """Numbers in a state: the coordinates of model.system, from VELOCITY on their velocities, and the
 integral of q."""
@@ -55,6 +61,9 @@ PUSH, DRIVE_SIGNAL, LOAD_SIGNAL, SUPPORT_K, SUPPORT_C = (
     )
 )
 SIGNAL_ROWS = len(SIGNALS)
+
+SUPPORTS_CHANGE = 2
+"""What `step.pushed` is where stiffness or damping of a support changes."""
 
 LONGEST_STEP = 0.05
 """The longest step [s]; only a soft pair at rest comes near it."""

@@ -112,14 +112,6 @@ def _in_cache_lines(fields: dict[str, tuple]) -> np.dtype:
     )
 
 
-_CONVOLUTION = {
-    'folded': (np.float64, (WIDTH, 2 * COLUMNS)),
-    'offsets': (np.float64, (ROWS, COLUMNS)),
-    'support_rows': (np.float64, (ROWS, 2 * COLUMNS)),
-    'orders': (np.float64, (3, ROWS + 1)),
-}
-"""What `convolution` makes of a segment, and its scratch."""
-
 TANGENT = _in_cache_lines(
     {
         'state': (np.float64, (STATES + 1,)),
@@ -127,7 +119,6 @@ TANGENT = _in_cache_lines(
         'error': (np.float64, (1, ROWS)),
         'segment': (np.float64, (SEGMENT, WIDTH)),
         'supports': (np.float64, (4, ROWS)),
-        **_CONVOLUTION,
     }
 )
 """What the series of a tangent vector is made of: as of the motion, without loads."""
@@ -161,7 +152,6 @@ MOTION = _in_cache_lines(
         'degrees': (np.int64, (SIGNAL_ROWS,)),
         'push': (np.float64, (ROWS, COLUMNS)),
         'supports': (np.float64, (4, ROWS)),
-        **_CONVOLUTION,
         'tangent': (TANGENT, ()),
         'pairs': (np.float64, (TOOTH_PAIRS, PAIR_ROWS, ROWS)),
         'pair_degrees': (np.int64, (TOOTH_PAIRS, PAIR_ROWS)),

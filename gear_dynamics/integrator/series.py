@@ -11,13 +11,6 @@ import math
 
 import numpy as np
 
-from gear_dynamics.integrator.convolution import (
-    add_loads,
-    expand_by_convolution,
-    fold,
-    fold_supports,
-    fold_varying_offset,
-)
 from gear_dynamics.integrator.kernel import kernel
 from gear_dynamics.integrator.lanes import largest, rough_log2
 from gear_dynamics.integrator.layout import (
@@ -30,8 +23,7 @@ from gear_dynamics.integrator.layout import (
     Y2,
 )
 from gear_dynamics.integrator.polynomials import advance_columns
-from gear_dynamics.integrator.recurrence import fill_orders, fill_pushed_orders
-from gear_dynamics.integrator.signals import SUPPORTS_CHANGE
+from gear_dynamics.integrator.recurrence import Loads, fill_orders
 
 _INVERSE = 1.0 / np.arange(1, ORDER + 3)
 
@@ -86,22 +78,8 @@ def expand(motion):
     step.travel, travel_rate = arm_growth(motion)
     # On the load side, with what accelerates the gear there.
     torque = commands.torque + p.ratio * p.inertia2 * commands.accel
-    rate = commands.torque_rate
-    if step.stiffness_degree > 0 or step.pushed == SUPPORTS_CHANGE:
-        fold(motion, motion)
-        add_loads(motion, torque, rate)
-        supports = fold_supports(motion, motion) if step.pushed == SUPPORTS_CHANGE else 0
-        expand_by_convolution(motion, motion, supports, step.travel, travel_rate)
-        return
-    loads = (step.travel, travel_rate, torque, rate)
-    state, error, series, segment = motion.state, motion.error, motion.series, motion.segment
-    if step.degree > 0:
-        fold_varying_offset(motion)
-        fill_pushed_orders(p.answers, segment, state, error, *loads, motion.offsets, series)
-    elif step.pushed:
-        fill_pushed_orders(p.answers, segment, state, error, *loads, motion.push, series)
-    else:
-        fill_orders(p.answers, segment, state, error, *loads, series)
+    loads = Loads(step.travel, travel_rate, torque, commands.torque_rate)
+    fill_orders(motion, motion, loads, step.pushed > 0)
 
 
 @kernel

@@ -20,6 +20,7 @@ from gear_dynamics.integrator.layout import (
     SUPPORT_C,
     SUPPORT_K,
     SUPPORTED,
+    SUPPORTS_CHANGE,
 )
 from gear_dynamics.integrator.polynomial import (
     add_product,
@@ -34,10 +35,6 @@ _INVERSE = 1.0 / np.arange(1, ORDER + 3)
 
 _NEGLIGIBLE = 1e-19
 """Of a sine's amplitude: smaller terms of its series end it."""
-
-
-SUPPORTS_CHANGE = 2
-"""What `fill_signals` sets `step.pushed` to where stiffness or damping of a support changes."""
 
 
 @kernel

@@ -16,9 +16,9 @@ from __future__ import annotations
 
 import math
 
-from gear_dynamics.integrator.convolution import expand_by_convolution, fold, fold_supports
 from gear_dynamics.integrator.kernel import kernel
 from gear_dynamics.integrator.layout import (
+    DAMPING,
     PSI,
     SEG_FORCE,
     SEG_FRICTION,
@@ -27,21 +27,18 @@ from gear_dynamics.integrator.layout import (
     SUPPORT_C,
     SUPPORT_K,
     SUPPORTED,
+    SUPPORTS_CHANGE,
+    TO_FORCE,
+    TO_FRICTION,
+    TO_MOMENT,
     VELOCITY,
     Y1,
     Y2,
 )
 from gear_dynamics.integrator.polynomial import copy_rows
 from gear_dynamics.integrator.polynomials import advance_columns
-from gear_dynamics.integrator.recurrence import (
-    DAMPING,
-    TO_FORCE,
-    TO_FRICTION,
-    TO_MOMENT,
-    fill_orders,
-)
+from gear_dynamics.integrator.recurrence import Loads, fill_orders
 from gear_dynamics.integrator.series import arm_growth
-from gear_dynamics.integrator.signals import SUPPORTS_CHANGE
 
 _BODIES = 5
 """Coordinates of the reduced form: x1, y1, x2, y2, psi."""
@@ -73,13 +70,8 @@ def advance_vectors(motion, vectors):
     divergence = 0.0
     for i in range(parts):
         divergence += _divergence(motion, part, travel, travel_rate)
-        supports = 0
-        if motion.step.pushed == SUPPORTS_CHANGE:
-            supports = fold_supports(motion, motion.tangent)
-        if motion.step.stiffness_degree > 0 or supports > 0:
-            fold(motion, motion.tangent)
         for row in range(vectors.shape[0]):
-            _advance_vector(motion, part, supports, travel, travel_rate, vectors[row])
+            _advance_vector(motion, part, travel, travel_rate, vectors[row])
         if i + 1 < parts:
             _shift(motion, part, travel, travel_rate)
             travel += 2 * travel_rate * part
@@ -116,18 +108,15 @@ def _take_segment(motion):
 
 
 @kernel
-def _advance_vector(motion, h, supports, travel, travel_rate, vector):
-    """Advance one tangent vector over h seconds; supports: orders of the changes of these."""
+def _advance_vector(motion, h, travel, travel_rate, vector):
+    """Advance one tangent vector over h seconds."""
     tangent, wn = motion.tangent, motion.constants.wn
     state = tangent.state
     state[:] = 0.0
     for j in range(_BODIES):
         state[j], state[VELOCITY + j] = vector[j], vector[_BODIES + j] * wn
-    if motion.step.stiffness_degree > 0 or supports:
-        expand_by_convolution(motion, tangent, supports, travel, travel_rate)
-    else:
-        answers, loads = motion.constants.answers, (travel, travel_rate, 0.0, 0.0)
-        fill_orders(answers, tangent.segment, state, tangent.error, *loads, tangent.series)
+    loads = Loads(travel, travel_rate, 0.0, 0.0)
+    fill_orders(motion, tangent, loads, False)
     advance_columns(tangent.series, h, state)
     for j in range(_BODIES):
         vector[j], vector[_BODIES + j] = state[j], state[VELOCITY + j] / wn

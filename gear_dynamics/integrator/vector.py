@@ -69,18 +69,6 @@ def spread(builder: Any, number: Any) -> Any:
     return _shuffled(builder, one, [0] * LANES)
 
 
-def one_of(builder: Any, vector: Any, lane: int) -> Any:
-    """Return a vector of eight times one lane of another."""
-    return _shuffled(builder, vector, [lane] * LANES)
-
-
-def with_lane(builder: Any, vector: Any, other: Any, lane: int) -> Any:
-    """Return a vector with one lane taken from another."""
-    lanes = [LANES + j if j == lane else j for j in range(LANES)]
-    mask = ir.Constant(ir.VectorType(ir.IntType(32), LANES), lanes)
-    return builder.shuffle_vector(vector, other, mask)
-
-
 def shifted(builder: Any, before: Any, vector: Any) -> Any:
     """Return the lanes of a vector moved up by one, after the last lane of the one before."""
     lanes = ir.Constant(ir.VectorType(ir.IntType(32), LANES), list(range(LANES - 1, 2 * LANES - 1)))

@@ -10,17 +10,15 @@ import numpy as np
 import pytest
 from ros_support import ROOT
 
-from gear_dynamics.integrator import convolution, lanes, plain, polynomials, recurrence
+from gear_dynamics.integrator import lanes, plain, polynomials
 from gear_dynamics.integrator.layout import (
     DELTA,
     HIGH_RATE_COLUMNS,
     PADDED_TAPS,
     ROWS,
-    SEGMENT,
     STATES,
     TAPS,
     VALUES,
-    WIDTH,
 )
 from gear_dynamics.machine.columns import SAMPLE_COLUMNS
 
@@ -127,57 +125,6 @@ def test_whether_delta_stays_above_a_level(series):
         assert got == expected
         assert not (got and level >= lowest)
     assert compared(polynomials, 'delta_stays_above', [series, 0.8, lowest - 0.5]) == [True, True]
-
-
-def machine(rng):
-    """Return answers, a segment, a state and a series of the transmission error."""
-    answers = rng.standard_normal((recurrence.ANSWERS, 8))
-    answers[:, DELTA] = 0.0
-    segment = np.zeros((SEGMENT, WIDTH))
-    segment[:, 0] = rng.standard_normal(SEGMENT)
-    state = rng.standard_normal(STATES + 1)
-    error = rng.standard_normal((2, ROWS)) * 0.5 ** np.arange(ROWS)
-    return answers, segment, state, error
-
-
-def test_recurrence(rng):
-    answers, segment, state, error = machine(rng)
-    numbers = tuple(rng.standard_normal(4))
-    push = rng.standard_normal((ROWS, 8))
-    empty = np.zeros((ROWS, 8))
-    assert_alike(recurrence, 'fill_orders', [answers, segment, state, error, *numbers], empty, 1e-9)
-    pushed = [answers, segment, state, error, *numbers, push]
-    assert_alike(recurrence, 'fill_pushed_orders', pushed, empty, 1e-9)
-
-
-def test_recurrence_by_convolution(rng):
-    answers, _, state, error = machine(rng)
-    falls = 0.5 ** np.arange(ROWS)[:, np.newaxis]
-    folded, support_rows = (rng.standard_normal((ROWS, 16)) * falls for _ in range(2))
-    support_rows[:, [DELTA, DELTA + 8]] = 0.0
-    offsets, orders = rng.standard_normal((ROWS, 8)) * falls, np.zeros((3, ROWS + 1))
-    inverse = 1.0 / np.arange(1, ROWS + 2)
-    weights = np.stack([inverse[1:], inverse[1:] * inverse[:-1]], axis=1).ravel()
-    for degree_count, support_count in ((1, 0), (7, 0), (27, 5)):
-        given = [answers, folded, offsets, support_rows, state, error, orders, weights]
-        given += [degree_count, support_count, *rng.standard_normal(2)]
-        empty = np.zeros((ROWS, 8))
-        assert_alike(convolution, 'fill_convolved_orders', given, empty, 1e-9)
-
-
-def test_what_a_segment_does_to_each_column(rng):
-    answers, segment, *_ = machine(rng)
-    segment[:] = rng.standard_normal(segment.shape)
-    if numba.config.DISABLE_JIT:
-        return
-    results = []
-    for function in (compiled(convolution, 'put_folded', 6), plain.put_folded):
-        out = np.zeros((3, 16))
-        function(answers, segment, 1, 4, out, 3)
-        results.append(out)
-    np.testing.assert_array_equal(*results)
-    assert results[0][1, 8:].all()
-    assert np.count_nonzero(results[0]) == 8
 
 
 PROGRAM = """
