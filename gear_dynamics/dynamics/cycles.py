@@ -96,6 +96,26 @@ class Cycles(NamedTuple):
     period: np.ndarray
 
 
+class Track(NamedTuple):
+    """What one pair's cycles are written into; arrays without rows are left out.
+
+    Attributes
+    ----------
+    section : (SECTION_COLUMNS,) array, of the present cycle
+    vectors : (k, VARIED) array, advanced along with the motion
+    growth : (k,) array, of the present cycle
+    divergence : (1,) array, of the present cycle
+    samples, bodies : (m, columns) arrays, of all cycles
+    """
+
+    section: np.ndarray
+    vectors: np.ndarray
+    growth: np.ndarray
+    divergence: np.ndarray
+    samples: np.ndarray
+    bodies: np.ndarray
+
+
 @kernel
 def _write_section(motion, section):
     """Write the state at the section phase, or at the end of the step if that is before it."""
@@ -137,8 +157,9 @@ def _jump_at_contact(motion, zones, ports, before, vectors):
 
 
 @kernel
-def run_cycle(motion, zones, ports, section, vectors, growth, divergence, out, bodies):
+def run_cycle(motion, zones, ports, track):
     """Advance to the beginning of the next mesh cycle."""
+    vectors, out, bodies = track.vectors, track.samples, track.bodies
     phase, step, sampling = motion.phase, motion.step, motion.sampling
     cycle = phase.cycle
     entered = step.unsettled != 0
@@ -158,9 +179,9 @@ def run_cycle(motion, zones, ports, section, vectors, growth, divergence, out, b
             if bodies.shape[0] > 0:
                 _write_bodies(motion, bodies, first, count)
         if vectors.shape[0] > 0:
-            divergence[0] += advance_vectors(motion, vectors)
+            track.divergence[0] += advance_vectors(motion, vectors)
         if sampling.section_cycle <= cycle:
-            _write_section(motion, section)
+            _write_section(motion, track.section)
         contact = step.ending == CONTACT and vectors.shape[0] > 0
         if contact:
             damping_at_end(motion, damping)
@@ -170,29 +191,28 @@ def run_cycle(motion, zones, ports, section, vectors, growth, divergence, out, b
         if contact:
             _jump_at_contact(motion, zones, ports, damping, vectors)
     step.unsettled = entered
-    if growth.size > 0:
-        orthonormalise(vectors, growth)
+    if track.growth.size > 0:
+        orthonormalise(vectors, track.growth)
     return stepper.DONE
 
 
 @kernel(parallel=True)
-def _run_all(
-    records, zones, ports, bounds, sections, vectors, growth, divergence, out, bodies, status
-):
+def _run_all(batch, tracks, status):
+    """Run each pair of a batch; `tracks` is a Track whose arrays have a row for each pair."""
     for i in numba.prange(status.size):
+        bounds = batch.bounds
         a, b, c, d = bounds[i, 0], bounds[i, 1], bounds[i + 1, 0], bounds[i + 1, 1]
-        for cycle in range(sections.shape[1]):
-            status[i] = run_cycle(
-                records[i],
-                borrowed(zones)[a:c],
-                borrowed(ports)[b:d],
-                borrowed(sections)[i, cycle],
-                borrowed(vectors)[i],
-                borrowed(growth)[i, cycle],
-                borrowed(divergence)[i, cycle : cycle + 1],
-                borrowed(out)[i],
-                borrowed(bodies)[i],
+        zones, ports = borrowed(batch.zones)[a:c], borrowed(batch.ports)[b:d]
+        for cycle in range(tracks.section.shape[1]):
+            track = Track(
+                borrowed(tracks.section)[i, cycle],
+                borrowed(tracks.vectors)[i],
+                borrowed(tracks.growth)[i, cycle],
+                borrowed(tracks.divergence)[i, cycle : cycle + 1],
+                borrowed(tracks.samples)[i],
+                borrowed(tracks.bodies)[i],
             )
+            status[i] = run_cycle(batch.records[i], zones, ports, track)
             if status[i] != stepper.DONE:
                 break
 
@@ -292,17 +312,15 @@ def run_cycles(
         divergence=np.zeros((n, cycles)),
         period=period,
     )
-    rows = result.samples.view(np.float64).reshape(n, -1, len(SAMPLE_COLUMNS))
-    status = np.zeros(n, np.int64)
-    _run_all(
-        *batch,
+    tracks = Track(
         result.sections,
         result.vectors,
         result.growth,
         result.divergence,
-        rows,
+        result.samples.view(np.float64).reshape(n, -1, len(SAMPLE_COLUMNS)),
         result.bodies.view(np.float64).reshape(n, -1, len(_BODY_COLUMNS)),
-        status,
     )
+    status = np.zeros(n, np.int64)
+    _run_all(batch, tracks, status)
     refuse_failure(status, records)
     return result

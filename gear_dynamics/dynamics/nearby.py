@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numba
 import numpy as np
 
-from gear_dynamics.dynamics.cycles import run_cycle, settings
+from gear_dynamics.dynamics.cycles import Track, run_cycle, settings
 from gear_dynamics.integrator import stepper
 from gear_dynamics.integrator.contact_events import place_contact
 from gear_dynamics.integrator.kernel import borrowed, kernel
@@ -39,24 +39,17 @@ def _bring_back(motion, base):
 
 
 @kernel(parallel=True)
-def _run_pairs(records, zones, ports, bounds, growth, status):
+def _run_pairs(batch, growth, status):
+    records, bounds = batch.records, batch.bounds
     for i in numba.prange(growth.shape[0]):
         base, near = 2 * i, 2 * i + 1
-        section, nothing = np.empty(32), np.empty((0, 16))
-        vectors, none = np.empty((0, VARIED)), np.empty(0)
+        nothing, vectors, none = np.empty((0, 16)), np.empty((0, VARIED)), np.empty(0)
+        track = Track(np.empty(32), vectors, none, none, nothing, nothing)
         for cycle in range(growth.shape[1]):
             for j in range(base, near + 1):
-                status[j] = run_cycle(
-                    records[j],
-                    borrowed(zones)[bounds[j, 0] : bounds[j + 1, 0]],
-                    borrowed(ports)[bounds[j, 1] : bounds[j + 1, 1]],
-                    section,
-                    vectors,
-                    none,
-                    none,
-                    nothing,
-                    nothing,
-                )
+                zones = borrowed(batch.zones)[bounds[j, 0] : bounds[j + 1, 0]]
+                ports = borrowed(batch.ports)[bounds[j, 1] : bounds[j + 1, 1]]
+                status[j] = run_cycle(records[j], zones, ports, track)
             if status[base] != stepper.DONE or status[near] != stepper.DONE:
                 break
             growth[i, cycle] = math.log(_bring_back(records[near], records[base]) / DISTANCE)
@@ -102,6 +95,6 @@ def nearby_growth(
     records['state'][1::2, :5] += apart[:, np.newaxis]
     place_all_contacts(records)
     growth, status = np.zeros((n, cycles)), np.zeros(2 * n, np.int64)
-    _run_pairs(*batch, growth, status)
+    _run_pairs(batch, growth, status)
     refuse_failure(status, records)
     return growth

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -97,31 +98,52 @@ def _may_dip(ua, va, ub, vb, h):
     return va < 0 < vb and min(ua, ub) <= 0.5 * (vb - va) * h
 
 
-@kernel
-def _stays(level, sign, near, h, ga, sa, gb, sb):
-    """Return whether sign (g - level) is positive all over h, as is told from the ends alone."""
-    ua, va = sign * (ga - level), sign * sa
-    ub, vb = sign * (gb - level), sign * sb
-    return ua > near and ub >= 0 and not _may_dip(ua, va, ub, vb, h)
+class Edge(NamedTuple):
+    """An edge of the gap: a pair is on one side of it while sign (g - level) is positive.
 
-
-@kernel
-def _exit(g, row, level, sign, near, ta, ga, sa, tb, gb, sb):
-    """Return the first time in [ta, tb] at which sign (g - level) turns negative, or inf.
-
-    ga, sa, gb, sb: value and slope of g at ta and tb. A value nearer than `near` to the level at ta
-    is that of a pair that has just come over the edge, or that leaves it at once.
+    A value nearer than `near` to the level is that of a pair that has just come over the edge, or
+    that leaves it at once.
     """
-    ua, va = sign * (ga - level), sign * sa
-    ub, vb = sign * (gb - level), sign * sb
-    if ua <= near:
+
+    level: float
+    sign: float
+    near: float
+
+
+class Point(NamedTuple):
+    """A function's value and slope at a time."""
+
+    t: float
+    value: float
+    slope: float
+
+
+@kernel
+def _from_edge(edge, point):
+    """Return how far a point is on the edge's side, and the slope of that."""
+    return edge.sign * (point.value - edge.level), edge.sign * point.slope
+
+
+@kernel
+def _stays(edge, begin, end):
+    """Return whether a pair stays on its side between two points, as is told from these alone."""
+    (ua, va), (ub, vb) = _from_edge(edge, begin), _from_edge(edge, end)
+    return ua > edge.near and ub >= 0 and not _may_dip(ua, va, ub, vb, end.t - begin.t)
+
+
+@kernel
+def _exit(g, row, edge, begin, end):
+    """Return the first time between two points of g at which a pair leaves its side, or inf."""
+    (ua, va), (ub, vb) = _from_edge(edge, begin), _from_edge(edge, end)
+    level, sign, ta, tb = edge.level, edge.sign, begin.t, end.t
+    if ua <= edge.near:
         still = _STILL * abs(level)
         if ub >= -still and va * (tb - ta) >= -still:
             return math.inf
         if va <= 0:
             return ta
-        begin = _extremum(g, row, ta, tb) if va > 0 > vb else ta
-        return _root(g, row, level, sign, begin, tb, 0.5 * (begin + tb))
+        first = _extremum(g, row, ta, tb) if va > 0 > vb else ta
+        return _root(g, row, level, sign, first, tb, 0.5 * (first + tb))
     if ub < 0:
         return _root(g, row, level, sign, ta, tb, ta + (tb - ta) * ua / (ua - ub))
     if _may_dip(ua, va, ub, vb, tb - ta):
@@ -165,14 +187,13 @@ def first_change(g, high, low, h, state, b, parts):
 @kernel
 def _first_exit(g, row, h, level, sign, parts):
     """Return the first instant in [0, h] at which sign (g - level) turns negative, or inf."""
-    near = _NEAR * abs(level)
+    edge = Edge(level, sign, _NEAR * abs(level))
     sixteenths(g, row, h, parts)
-    gb, sb, tb = g[row, 0], g[row, 1], 0.0
+    end = Point(0.0, g[row, 0], g[row, 1])
     for j in range(PARTS):
-        ga, sa, ta = gb, sb, tb
-        gb, sb, tb = parts[0, j], parts[1, j], h * ((j + 1) / PARTS)
-        if not _stays(level, sign, near, tb - ta, ga, sa, gb, sb):
-            leaves = _exit(g, row, level, sign, near, ta, ga, sa, tb, gb, sb)
+        begin, end = end, Point(h * ((j + 1) / PARTS), parts[0, j], parts[1, j])
+        if not _stays(edge, begin, end):
+            leaves = _exit(g, row, edge, begin, end)
             if leaves < math.inf:
                 return leaves
     return math.inf
@@ -181,22 +202,21 @@ def _first_exit(g, row, h, level, sign, parts):
 @kernel
 def _first_touch(g, high, low, h, b, parts):
     """Return the first instant in [0, h] at which a pair in the gap reaches a flank, and which."""
-    near = _NEAR * b
+    upper, lower = Edge(b, -1.0, _NEAR * b), Edge(-b, 1.0, _NEAR * b)
     sixteenths(g, high, h, parts[:2])
     other = 0 if high == low else 2
     if other:
         sixteenths(g, low, h, parts[2:])
-    gb, sb, tb = g[high, 0], g[high, 1], 0.0
-    lb, rb = g[low, 0], g[low, 1]
+    end, end_low = Point(0.0, g[high, 0], g[high, 1]), Point(0.0, g[low, 0], g[low, 1])
     for j in range(PARTS):
-        ga, sa, la, ra, ta = gb, sb, lb, rb, tb
-        gb, sb, tb = parts[0, j], parts[1, j], h * ((j + 1) / PARTS)
-        lb, rb = parts[other, j], parts[other + 1, j]
+        begin, begin_low, t = end, end_low, h * ((j + 1) / PARTS)
+        end = Point(t, parts[0, j], parts[1, j])
+        end_low = Point(t, parts[other, j], parts[other + 1, j])
         rises = falls = math.inf
-        if not _stays(b, -1.0, near, tb - ta, ga, sa, gb, sb):
-            rises = _exit(g, high, b, -1.0, near, ta, ga, sa, tb, gb, sb)
-        if not _stays(-b, 1.0, near, tb - ta, la, ra, lb, rb):
-            falls = _exit(g, low, -b, 1.0, near, ta, la, ra, tb, lb, rb)
+        if not _stays(upper, begin, end):
+            rises = _exit(g, high, upper, begin, end)
+        if not _stays(lower, begin_low, end_low):
+            falls = _exit(g, low, lower, begin_low, end_low)
         if rises < math.inf or falls < math.inf:
             return (rises, DRIVE) if rises <= falls else (falls, BACK)
     return math.inf, GAP

@@ -60,8 +60,12 @@ def _higher_slopes(motion, column, t):
 
 
 @kernel
-def _derivatives(segment, row, degree, t, delta, first, second, third, out):
-    """Fill `out` with a force of the segment at t and its first two derivatives."""
+def _derivatives(segment, row, degree, t, motions, out):
+    """Fill `out` with a force of the segment at t and its first two derivatives.
+
+    motions : delta and its first three derivatives
+    """
+    delta, first, second, third = motions
     out[0] = operate(segment, row, degree, t, delta, first)
     k = c = o = k_1 = c_1 = o_1 = k_2 = c_2 = o_2 = 0.0
     for j in range(degree, -1, -1):
@@ -83,8 +87,8 @@ def note_before(motion):
     delta, slope = value_and_slope(motion, DELTA, t)
     before.curvature, before.third = _higher_slopes(motion, DELTA, t)
     motions = (delta, slope, before.curvature, before.third)
-    _derivatives(segment, SEG_FORCE, degree, t, *motions, before.force)
-    _derivatives(segment, SEG_FRICTION, degree, t, *motions, before.friction)
+    _derivatives(segment, SEG_FORCE, degree, t, motions, before.force)
+    _derivatives(segment, SEG_FRICTION, degree, t, motions, before.friction)
     travelled = motion.step.travel * t * before.friction[0]
     before.torque1 = operate(segment, SEG_MOMENT, degree, t, delta, slope) + travelled
     before.jumped = 1
@@ -95,7 +99,7 @@ def _jump_of(motion, row, before, out):
     """Fill `out` with the jump of a force and of its first two derivatives."""
     s = motion.series
     motions = (s[0, DELTA], s[1, DELTA], 2 * s[2, DELTA], 6 * s[3, DELTA])
-    _derivatives(motion.segment, row, motion.step.degree, 0.0, *motions, out)
+    _derivatives(motion.segment, row, motion.step.degree, 0.0, motions, out)
     for j in range(3):
         out[j] -= before[j]
 

@@ -119,8 +119,8 @@ def fill_orders(motion, own, loads, pushed):
     q_sum, q_sum_next = state[STATE_Q_SUM], q
     delta = y2 - y1 + (psi - error[0, 0])
     delta_next = y2_next - y1_next + (psi_next - error[0, 1])
-    _put(series, 0, x1, y1, x2, y2, psi, q, delta, q_sum)
-    _put(series, 1, x1_next, y1_next, x2_next, y2_next, psi_next, q_next, delta_next, q_sum_next)
+    _put(series, 0, (x1, y1, x2, y2, psi, q, delta, q_sum))
+    _put(series, 1, (x1_next, y1_next, x2_next, y2_next, psi_next, q_next, delta_next, q_sum_next))
     m1, m2 = motion.constants.m1, motion.constants.m2
     supports_change = motion.step.pushed == SUPPORTS_CHANGE
     load, load_next = loads.torque, loads.torque_rate
@@ -163,16 +163,15 @@ def fill_orders(motion, own, loads, pushed):
         q, q_next = q_next, q_after
         delta, delta_next = delta_next, y2_after - y1_after + (psi_after - error[0, k + 2])
         load, load_next = load_next, 0.0
-        _put(
-            series, k + 2,
-            x1_next, y1_next, x2_next, y2_next, psi_next, q_next, delta_next, q_sum_next,
-        )  # fmt: skip
+        order = (x1_next, y1_next, x2_next, y2_next, psi_next, q_next, delta_next, q_sum_next)
+        _put(series, k + 2, order)
 
 
 @kernel
-def _put(series, row, x1, y1, x2, y2, psi, q, delta, q_sum):
-    series[row, X1], series[row, Y1], series[row, X2], series[row, Y2] = x1, y1, x2, y2
-    series[row, PSI], series[row, Q], series[row, DELTA], series[row, Q_SUM] = psi, q, delta, q_sum
+def _put(series, row, order):
+    """Put x1, y1, x2, y2, psi, q, delta and the integral of q into a row."""
+    series[row, X1], series[row, Y1], series[row, X2], series[row, Y2] = order[:4]
+    series[row, PSI], series[row, Q], series[row, DELTA], series[row, Q_SUM] = order[4:]
 
 
 @kernel
