@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from scipy import fft
 
-from gear_dynamics.monitoring.layout import MeshLayout
+from gear_dynamics.monitoring.layout import Layout, MeshLayout
 from gear_dynamics.monitoring.phase_stream import AngularResampler
 from gear_dynamics.monitoring.spectrum_task import AveragedSpectrum
 from gear_dynamics.monitoring.task import Batch, Indicator, Learned, Task, TaskResult, columns_table
@@ -40,14 +40,11 @@ class AngleTask(Task):
     Parameters
     ----------
     settings : AnalyzerSettings
-    layout : MeshLayout
+    layout : Layout
+    mesh : MeshLayout
+        The first one of the layout gives the table `order_spectrum`, in orders of its driver.
     wheels : sequence of int
         Which of the mesh's wheels are averaged: 0 the driver, 1 the driven.
-    orders : bool
-        Whether the table `order_spectrum` is made, in orders of the driver.
-    rate : float
-        [Hz]
-    channels : sequence of str
     restarts : Counter
         Where each new beginning is counted.
     harmonics : mapping of str to Harmonics
@@ -62,22 +59,20 @@ class AngleTask(Task):
     def __init__(
         self,
         settings: AnalyzerSettings,
-        layout: MeshLayout,
+        layout: Layout,
+        mesh: MeshLayout,
         wheels: Sequence[int],
-        orders: bool,
-        rate: float,
-        channels: Sequence[str],
         restarts: collections.Counter[str],
         harmonics: dict[str, Harmonics],
         normal: Learned,
     ) -> None:
         self._normal = normal
         self._settings = settings
-        self._layout = layout
+        self._mesh = mesh
         self._with_wheels = wheels
-        self._with_orders = orders
-        self._rate = rate
-        self._channels = channels
+        self._with_orders = mesh is layout.meshes[0]
+        self._rate = layout.sample_rate
+        self._channels = layout.channels
         self._restarts = restarts
         self._harmonics = harmonics
         self._resampler: AngularResampler | None = None
@@ -85,7 +80,7 @@ class AngleTask(Task):
 
     def push(self, batch: Batch) -> Iterator[TaskResult]:
         """Take the next samples; yield what is complete."""
-        name = self._layout.mesh.name
+        name = self._mesh.mesh.name
         phase = batch.phases[name]
         if len(phase) < 2 or not np.all(np.diff(phase) > 0):
             self._stop(BACK)
@@ -111,7 +106,7 @@ class AngleTask(Task):
             wheel.restart()
 
     def _expect(self, cycles_per_sample: float) -> None:
-        z1, z2 = self._layout.teeth
+        z1, z2 = self._mesh.teeth
         period = hunting_revolutions(z1, z2) * z1 / cycles_per_sample / self._rate
         self.seconds = max(
             min(period, self._settings.average_longest), self._settings.average_duration
@@ -135,7 +130,7 @@ class AngleTask(Task):
             return
         points = max(1 << math.ceil(math.log2(1 / cycles_per_sample)), FEWEST_POINTS)
         self._resampler = AngularResampler(points)
-        self._per_revolution = points * self._layout.teeth[0]
+        self._per_revolution = points * self._mesh.teeth[0]
         length = self._per_revolution * self._settings.order_revolutions
         if self._with_orders:
             self._spectrum = AveragedSpectrum(self._settings, length, len(self._channels))
@@ -143,8 +138,8 @@ class AngleTask(Task):
         self._points_done = 0
         self._wheels = [
             WheelAverage(
-                self._layout.wheels[side],
-                (self._layout.teeth[side], self._layout.teeth[1 - side]),
+                self._mesh.wheels[side],
+                (self._mesh.teeth[side], self._mesh.teeth[1 - side]),
                 points,
                 lead * side,
                 self._channels,
@@ -152,7 +147,7 @@ class AngleTask(Task):
                     self._settings.average_duration * self._rate,
                     self._settings.average_longest * self._rate,
                 ),
-                self._harmonics.setdefault(self._layout.wheels[side], {}),
+                self._harmonics.setdefault(self._mesh.wheels[side], {}),
                 self._normal,
             )
             for side in self._with_wheels

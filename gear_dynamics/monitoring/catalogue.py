@@ -80,11 +80,9 @@ class Catalogue:
     def _angle_task(self, mesh: MeshLayout, sides: list[int]) -> AngleTask:
         return AngleTask(
             self._settings,
+            self._layout,
             mesh,
             sides,
-            mesh is self._layout.meshes[0],
-            self._layout.sample_rate,
-            self._layout.channels,
             self._restarts,
             self._harmonics,
             self._normal,
