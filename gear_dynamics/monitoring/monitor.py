@@ -27,7 +27,7 @@ from gear_dynamics.monitoring.results import Result, TableResult
 from gear_dynamics.monitoring.thresholds import Change, Thresholds
 from gear_dynamics.monitoring.wheel_average import Harmonics
 from gear_dynamics.parameters.settings import AnalyzerSettings
-from gear_dynamics.signal.interpolation import HALF_WIDTH, interpolate
+from gear_dynamics.signal.interpolation import HALF_WIDTH, interpolate_rows
 
 PATIENCE = 1.0
 """Seconds of samples without an event message after which the section is interpolated."""
@@ -274,4 +274,4 @@ class Monitor:
 
 def warm_up() -> None:
     """Compile or load what the first block would otherwise have to wait for."""
-    interpolate(np.zeros((2 * HALF_WIDTH + 1, 2)), np.array([HALF_WIDTH - 0.5]))
+    interpolate_rows(np.zeros((2 * HALF_WIDTH + 1, 2)), np.array([HALF_WIDTH - 0.5]))

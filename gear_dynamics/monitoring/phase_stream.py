@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from gear_dynamics.monitoring.layout import AngleTrack
-from gear_dynamics.signal.interpolation import HALF_WIDTH, interpolate
+from gear_dynamics.signal.interpolation import HALF_WIDTH, interpolate_rows
 
 
 class PhaseStream:
@@ -88,7 +88,7 @@ class AngularResampler:
         first = self._next
         self._next = max(first, math.floor(phase[-HALF_WIDTH - 1] * self.points) + 1)
         ticks = np.arange(first, self._next) / self.points
-        values = interpolate(rows, np.interp(ticks, phase, np.arange(len(rows))))
+        values = interpolate_rows(rows, np.interp(ticks, phase, np.arange(len(rows))))
         kept = 2 * HALF_WIDTH + 1
         self._rows, self._phase = rows[-kept:], phase[-kept:]
         return first, values

@@ -31,10 +31,7 @@ _EXPORTS = {
         *('ShaftPhase', 'phase_from_angle', 'phase_from_constant', 'phase_from_pulses'),
         'phase_from_speed',
     ),
-    'spectrum': (
-        *('PowerAverage', 'amplitude_spectrum', 'amplitudes', 'mean_square_lines'),
-        'window_samples',
-    ),
+    'spectrum': ('PowerAverage', 'amplitude_spectrum', 'window_samples'),
     'speed_tracking': ('track_speed',),
     'statistics': (
         *('Moments', 'crest_factor', 'kurtosis', 'normalised_moment', 'peak', 'rms', 'skewness'),

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 from scipy.signal import kaiser_beta
 
 from gear_dynamics.kernels import kernel
+from gear_dynamics.signal.arguments import real_array
 
 HALF_WIDTH = 16
 """Samples on either side of an instant from which its value is interpolated."""
@@ -30,20 +32,36 @@ ACCURATE_BAND = 0.4
 """Fraction of the sample rate below which a tone comes out within 3e-5 of its amplitude."""
 
 
-def interpolate(rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
-    """Return rows at fractional positions, by a windowed sinc of 32 taps.
+def interpolate(x: npt.ArrayLike, positions: npt.ArrayLike, *, axis: int = 0) -> np.ndarray:
+    """Return a signal at fractional positions, by a windowed sinc of 32 taps.
 
     A tone below 0.4 of the sample rate comes out within 3e-5 of its amplitude.
 
     Parameters
     ----------
-    rows : ndarray, shape (n, columns)
-    positions : ndarray, shape (m,)
+    x : array_like
+    positions : array_like, shape (m,)
         In samples, from HALF_WIDTH - 1 to n - 1 - HALF_WIDTH.
+    axis : int
+        Axis of the n samples.
 
     Returns
     -------
-    ndarray, shape (m, columns)
+    ndarray
+        As x, with m values along the axis.
+
+    Raises
+    ------
+    ValueError
+        If a position is too close to an end, or a value is not finite.
+    """
+    x, positions = real_array(x, axis=axis), real_array(positions, 'positions').astype(float)
+    values = interpolate_rows(x.reshape(len(x), -1), positions)
+    return np.moveaxis(values.reshape((-1, *x.shape[1:])), 0, axis)
+
+
+def interpolate_rows(rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
+    """Return rows of an (n, columns) array at m positions, as `interpolate` does.
 
     Raises
     ------

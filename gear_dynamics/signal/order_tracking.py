@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gear_dynamics.signal.arguments import real_array, whole_number
-from gear_dynamics.signal.interpolation import HALF_WIDTH, interpolate
+from gear_dynamics.signal.interpolation import HALF_WIDTH, interpolate_rows
 from gear_dynamics.signal.spectrum import amplitude_spectrum
 
 
@@ -16,30 +16,45 @@ def mesh_phase(
     pinion_teeth: int,
     gear_teeth: int,
     pinion_weight: float = 1.0,
+    *,
+    axis: int = 0,
 ) -> np.ndarray:
     """Return the unwrapped mesh phase in cycles, rising where the wheels turn forward.
 
     Parameters
     ----------
-    pinion_angle, gear_angle : array_like, shape (n,)
+    pinion_angle, gear_angle : array_like, of one shape
         Shaft angles [rad], wrapped or not, moving by less than half a turn a sample.
     pinion_teeth, gear_teeth : int
     pinion_weight : float
         Weight of the pinion's angle against the gear's. With the share of the inertia,
         `pinion_inertia_share`, the torsional vibration of the pair cancels and the rotation of
         the rigid pair remains, with the slow twist of the drive: nothing in steady motion.
+    axis : int
+        Axis of the samples.
+
+    Raises
+    ------
+    ValueError
+        If the angles differ in shape, or one is not finite.
     """
-    pinion = np.unwrap(_angle(pinion_angle, 'pinion_angle')) * pinion_teeth / (2 * np.pi)
+    pinion = _turned(pinion_angle, 'pinion_angle', axis) * pinion_teeth
     if pinion_weight == 1:
-        return pinion
-    gear = np.unwrap(_angle(gear_angle, 'gear_angle')) * gear_teeth / (2 * np.pi)
+        return np.moveaxis(pinion, 0, axis)
+    gear = _turned(gear_angle, 'gear_angle', axis) * gear_teeth
+    if gear.shape != pinion.shape:
+        raise ValueError(
+            f'gear_angle has {gear.size} values: it must have the shape of pinion_angle'
+        )
     # Whole turns are lost in the angles; both wheels pass the same phase of the mesh.
     gear -= np.round(gear[0] - pinion[0])
-    return pinion_weight * pinion + (1 - pinion_weight) * gear
+    return np.moveaxis(pinion_weight * pinion + (1 - pinion_weight) * gear, 0, axis)
 
 
-def _angle(values: npt.ArrayLike, name: str) -> np.ndarray:
-    return real_array(values, name).astype(float, copy=False)
+def _turned(angle: npt.ArrayLike, name: str, axis: int) -> np.ndarray:
+    """Return how far a shaft has turned, in turns."""
+    values = real_array(angle, name, axis).astype(float, copy=False)
+    return np.unwrap(values, axis=0) / (2 * np.pi)
 
 
 def pinion_inertia_share(
@@ -98,7 +113,7 @@ def resample_by_phase(
     positions = np.interp(ticks / points, phase, np.arange(len(phase)))
     # Rounding may place the first or last point just outside.
     positions = np.clip(positions, HALF_WIDTH - 1, len(x) - 1 - HALF_WIDTH)
-    values = interpolate(x.reshape(len(x), -1), positions)
+    values = interpolate_rows(x.reshape(len(x), -1), positions)
     return first, np.moveaxis(values.reshape((-1, *x.shape[1:])), 0, axis)
 
 

@@ -17,11 +17,13 @@ from gear_dynamics.signal import (
     fm0,
     fm4,
     has_difference,
+    interpolate,
     kurtosis,
     m6a,
     m8a,
     mesh_amplitudes,
     mesh_envelope,
+    mesh_phase,
     most_impulsive_band,
     normalised_moment,
     peak,
@@ -81,6 +83,8 @@ TRANSFORMS = (
     lambda x, axis: mesh_envelope(x, 17, axis=axis),
     lambda x, axis: first_sidebands(x, 17, axis=axis),
     lambda x, axis: tooth_energy(x, 17, axis=axis).energy,
+    lambda x, axis: interpolate(x, np.linspace(15.0, 2031.0, 100), axis=axis),
+    lambda x, axis: mesh_phase(x, x, 17, 40, 0.3, axis=axis),
 )
 
 
