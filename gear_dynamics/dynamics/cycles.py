@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -158,19 +157,19 @@ def _jump_at_contact(motion, zones, ports, before, vectors):
 
 @kernel
 def run_cycle(motion, zones, ports, track):
-    """Advance to the beginning of the next mesh cycle."""
+    """Advance to the beginning of the next mesh cycle.
+
+    Step by step, and not from sample to sample as `stepper.run` does: tangent vectors take each
+    step as a whole.
+    """
     vectors, out, bodies = track.vectors, track.samples, track.bodies
     phase, step, sampling = motion.phase, motion.step, motion.sampling
     cycle = phase.cycle
-    entered = step.unsettled != 0
-    step.unsettled = 0
     damping = motion.forced[:3]
     while phase.cycle == cycle:
-        stepper.begin_step(motion, zones, ports, entered)
-        if step.tiny_steps >= stepper.MANY_TINY_STEPS:
-            return stepper.STUCK
-        if not math.isfinite(motion.series[1, DELTA] + step.length):
-            return stepper.NOT_FINITE
+        status = stepper.begin_step(motion, zones, ports)
+        if status != stepper.DONE:
+            return status
         while sampling.sample < out.shape[0]:
             first = sampling.sample
             count = write_due_samples(motion, 1, out, first)
@@ -185,12 +184,10 @@ def run_cycle(motion, zones, ports, track):
         contact = step.ending == CONTACT and vectors.shape[0] > 0
         if contact:
             damping_at_end(motion, damping)
-        entered = stepper.end_step(motion, zones, ports)
+        stepper.end_step(motion, zones, ports)
         motion.counts.events = 0
-        step.length = -1.0
         if contact:
             _jump_at_contact(motion, zones, ports, damping, vectors)
-    step.unsettled = entered
     if track.growth.size > 0:
         orthonormalise(vectors, track.growth)
     return stepper.DONE

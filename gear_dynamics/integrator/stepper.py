@@ -32,7 +32,7 @@ from gear_dynamics.integrator.signals import elapsed, longest_step, next_knot, p
 from gear_dynamics.integrator.tables import unpack
 from gear_dynamics.machine.columns import EventKind
 
-# What `run` returns.
+# What `begin_step` and `run` return.
 DONE, EVENTS_FULL, STUCK, NOT_FINITE = 0, 1, 2, 3
 
 SHORTEST_STEP = 1e-10
@@ -130,10 +130,7 @@ def _time_left(motion, curve, pieces):
 
 @kernel
 def end_step(motion, zones, ports):
-    """Put the state at the end of the present step, and do what happens there.
-
-    Return whether delta_i may have jumped.
-    """
+    """Put the state at the end of the present step, and do what happens there."""
     step, phase = motion.step, motion.phase
     motion.counts.steps += 1
     wraps = (
@@ -145,10 +142,10 @@ def end_step(motion, zones, ports):
         change_contact(motion, zones[phase.zone])
     advance_clock(motion, step.length)
     if step.ending == MESH:
-        return _pass_mesh_event(motion, zones, ports)
-    if step.ending == COMMAND:
-        return _reach_commands(motion, ports)
-    return False
+        step.unsettled = _pass_mesh_event(motion, zones, ports)
+    elif step.ending == COMMAND:
+        step.unsettled = _reach_commands(motion, ports)
+    step.length = -1.0
 
 
 @kernel
@@ -175,12 +172,14 @@ def _choose_length(motion, ports):
 
 
 @kernel
-def begin_step(motion, zones, ports, entered):
+def begin_step(motion, zones, ports):
     """Expand the motion about the present state and choose the step.
 
-    entered : whether delta_i may have jumped there.
+    Return DONE, STUCK or NOT_FINITE.
     """
     step = motion.step
+    entered = step.unsettled != 0
+    step.unsettled = 0
     if step.begin > 1.0:
         move_origin(motion)
     step.degree = fill_segment(motion, zones, ports)
@@ -201,6 +200,12 @@ def begin_step(motion, zones, ports, entered):
         step.tiny_steps = 0
     if step.length > 0:
         step.smallest = min(step.smallest, step.length)
+    stuck = step.tiny_steps >= MANY_TINY_STEPS
+    if stuck or not math.isfinite(motion.series[2, DELTA] + step.length):
+        # Nothing of this step counts, so that the next call ends here too.
+        step.length = -1.0
+        return STUCK if stuck else NOT_FINITE
+    return DONE
 
 
 @kernel
@@ -213,16 +218,11 @@ def run(motion, zones, ports, jumps):
     Returns DONE, EVENTS_FULL (empty events and jumps and call again), STUCK or NOT_FINITE.
     """
     step = motion.step
-    entered = step.unsettled != 0
-    step.unsettled = 0
     while True:
         if step.length < 0:
-            begin_step(motion, zones, ports, entered)
-            stuck = step.tiny_steps >= MANY_TINY_STEPS
-            if stuck or not math.isfinite(motion.series[2, DELTA] + step.length):
-                # Nothing of this step counts, so that the next call ends here too.
-                step.length = -1.0
-                return STUCK if stuck else NOT_FINITE
+            status = begin_step(motion, zones, ports)
+            if status != DONE:
+                return status
             if motion.before.jumped:
                 note_jump(motion, jumps)
         if time_of_sample(motion, motion.sampling.sample) < step.begin + step.length:
@@ -233,8 +233,7 @@ def run(motion, zones, ports, jumps):
             if motion.counts.jumps == jumps.shape[0]:
                 return EVENTS_FULL
             note_before(motion)
-        entered = end_step(motion, zones, ports)
-        step.length = -1.0
+        end_step(motion, zones, ports)
 
 
 @kernel

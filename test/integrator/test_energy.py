@@ -25,14 +25,14 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(24)
 
 
 @kernel
-def begin(records, zones, ports, entered=False):
-    stepper.begin_step(records[0], zones, ports, entered)
+def begin(records, zones, ports):
+    stepper.begin_step(records[0], zones, ports)
 
 
 @kernel
 def end(records, zones, ports):
     records[0].counts.events = 0
-    return stepper.end_step(records[0], zones, ports)
+    stepper.end_step(records[0], zones, ports)
 
 
 class Ledger:

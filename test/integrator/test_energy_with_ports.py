@@ -40,9 +40,8 @@ def balance(simulator, equations, cycles):
     masses = np.array([equations.m1] * 2 + [equations.m2] * 2 + [equations.i1, equations.i2])
     rigid = np.array([0, 0, 0, 0, speed, speed * pair.pinion_teeth / pair.gear_teeth])
     work = change = lost = 0.0
-    entered = False
     while record['phase']['cycle'] < cycles:
-        begin(*motion, entered)
+        begin(*motion)
         length, since = record['step']['length'], record['step']['begin']
         if length > 0:
             equations.near = since + length / 2
@@ -57,7 +56,7 @@ def balance(simulator, equations, cycles):
                 lost += length / 2 * weight * equations.c1 * np.dot(y[6:8], y[6:8])
             before, after = (coordinates(pair, series, t)[6:12] + rigid for t in (0.0, length))
             change += np.dot(masses, after**2 - before**2) / 2
-        entered = end(*motion)
+        end(*motion)
     return change, work, lost, record['counts']
 
 
