@@ -6,23 +6,27 @@ import enum
 
 import numpy as np
 
-SAMPLE_COLUMNS = (
-    't',
-    'pinion_ax',
-    'pinion_ay',
-    'gear_ax',
-    'gear_ay',
-    'mesh_force',
-    'friction_force',
-    'delta',
-    'delta_dot',
-    'pinion_angle',
-    'gear_angle',
-    'speed',
-    'load_torque',
-)
-"""Names of the sample columns: t [s], accelerations [m/s2], forces on the pinion [N],
-delta [m], delta_dot [m/s], angles [rad, 0 to 2 pi], pinion speed [rad/s], load torque [N m]."""
+ABOUT_SAMPLES = {
+    't': ('s', 'time since header.stamp'),
+    'pinion_ax': ('m/s2', 'acceleration of the pinion body, across the line of action'),
+    'pinion_ay': ('m/s2', 'the same along the line of action'),
+    'gear_ax': ('m/s2', 'acceleration of the gear body, across the line of action'),
+    'gear_ay': ('m/s2', 'the same along the line of action'),
+    'mesh_force': ('N', 'normal force of all tooth pairs, along +y on the pinion'),
+    'friction_force': ('N', 'friction force of all tooth pairs, along +x on the pinion'),
+    'delta': (
+        'm',
+        'displacement of the teeth on the line of action; above half the backlash in drive contact',
+    ),
+    'delta_dot': ('m/s', 'rate of change of `delta`'),
+    'pinion_angle': ('rad', 'angle of the pinion shaft from 0 to 2 pi, with its vibration'),
+    'gear_angle': ('rad', 'the same of the gear shaft'),
+    'speed': ('rad/s', 'speed of the pinion, with its vibration'),
+    'load_torque': ('N m', 'load torque after its rate limit'),
+}
+"""Unit and meaning of each column of a sample."""
+
+SAMPLE_COLUMNS = tuple(ABOUT_SAMPLES)
 
 SAMPLES = np.dtype([(name, np.float64) for name in SAMPLE_COLUMNS])
 """A sample at full precision; topics and logs carry the same columns as float32."""
@@ -33,6 +37,8 @@ on the pinion [N m]."""
 
 CHANNELS = SAMPLE_COLUMNS[1:9]
 """The columns that vibrate."""
+
+CHANNEL_UNITS = {name: ABOUT_SAMPLES[name][0] for name in CHANNELS}
 
 ALONG = ('pinion_ay', 'gear_ay', 'mesh_force', 'delta_dot')
 ACROSS = ('pinion_ax', 'gear_ax', 'friction_force')

@@ -5,16 +5,11 @@ from __future__ import annotations
 import math
 
 from gear_dynamics.machine.channel import Channel
-from gear_dynamics.machine.columns import CHANNELS
+from gear_dynamics.machine.columns import CHANNEL_UNITS
 from gear_dynamics.machine.machine import Machine
 from gear_dynamics.machine.parts import Mesh, Wheel
 from gear_dynamics.machine.shaft import Angle, Shaft
 from gear_dynamics.machine.source import Source
-
-CHANNEL_UNITS = dict(
-    zip(CHANNELS, ('m/s2', 'm/s2', 'm/s2', 'm/s2', 'N', 'N', 'm', 'm/s'), strict=True)
-)
-"""SI unit of each vibrating column of `samples`."""
 
 
 def rig_machine(

@@ -6,8 +6,7 @@ import dataclasses
 
 import numpy as np
 
-from gear_dynamics.machine.columns import CHANNELS, EVENTS, SAMPLE_COLUMNS
-from gear_dynamics.machine.rig import CHANNEL_UNITS
+from gear_dynamics.machine.columns import ABOUT_SAMPLES, CHANNEL_UNITS, CHANNELS, EVENTS
 
 TABLE_TYPE = 'sensor_msgs/msg/PointCloud2'
 TEXT_TYPE = 'std_msgs/msg/String'
@@ -87,25 +86,6 @@ _STREAM = Qos(depth=100)
 _LATCHED = Qos(depth=1, durability='transient_local')
 _FACTOR_0 = 'one a block; with keep all at real-time factor 0'
 
-_ABOUT_SAMPLES = {
-    't': ('s', 'time since header.stamp'),
-    'pinion_ax': ('m/s2', 'acceleration of the pinion body, across the line of action'),
-    'pinion_ay': ('m/s2', 'the same along the line of action'),
-    'gear_ax': ('m/s2', 'acceleration of the gear body, across the line of action'),
-    'gear_ay': ('m/s2', 'the same along the line of action'),
-    'mesh_force': ('N', 'normal force of all tooth pairs, along +y on the pinion'),
-    'friction_force': ('N', 'friction force of all tooth pairs, along +x on the pinion'),
-    'delta': (
-        'm',
-        'displacement of the teeth on the line of action; above half the backlash in drive contact',
-    ),
-    'delta_dot': ('m/s', 'rate of change of `delta`'),
-    'pinion_angle': ('rad', 'angle of the pinion shaft from 0 to 2 pi, with its vibration'),
-    'gear_angle': ('rad', 'the same of the gear shaft'),
-    'speed': ('rad/s', 'speed of the pinion, with its vibration'),
-    'load_torque': ('N m', 'load torque after its rate limit'),
-}
-
 _ABOUT_EVENTS = {
     't': ('s', 'time since header.stamp'),
     'kind': (
@@ -141,7 +121,7 @@ SAMPLES = Topic(
     'the full-rate stream, one block a message',
     _FACTOR_0,
     _STREAM,
-    columns=_columns(dict.fromkeys(SAMPLE_COLUMNS, 'float32'), _ABOUT_SAMPLES),
+    columns=_columns(dict.fromkeys(ABOUT_SAMPLES, 'float32'), ABOUT_SAMPLES),
 )
 EVENTS_TOPIC = Topic(
     'gear_pair/events',
@@ -278,22 +258,15 @@ CLOCK = Topic(
 TABLES = (SPECTRUM, ENVELOPE_SPECTRUM, ORDER_SPECTRUM, POINCARE)
 """The tables of the analyzer."""
 
-TOPICS = (
-    SAMPLES,
-    EVENTS_TOPIC,
-    CONFIGURATION,
-    LABEL,
-    *VECTORS,
-    JOINT_STATES,
-    SPEED_COMMAND,
-    TORQUE_COMMAND,
-    *TABLES,
-    CONDITION,
-    INDICATOR,
-    DIAGNOSTICS,
-    CLOCK,
+TOPICS = tuple(
+    dict.fromkeys(
+        topic
+        for defined in list(globals().values())
+        for topic in (defined if isinstance(defined, tuple) else [defined])
+        if isinstance(topic, Topic)
+    )
 )
-"""All topics, in the order of the documentation."""
+"""All topics, as they are defined above: the order of the documentation."""
 
 
 def with_duration(rows: np.ndarray, duration: float) -> np.ndarray:

@@ -10,8 +10,11 @@ LONGEST = 400
 
 def test_no_file_is_longer_than_the_rule_says():
     files = [path for folder in FOLDERS for path in (ROOT / folder).rglob('*')] + [*ROOT.glob('*')]
+    # Rows of tables do not count: `make readme` writes them, one a parameter or a topic.
     lengths = {
-        str(path.relative_to(ROOT)): len(path.read_text(encoding='utf-8').splitlines())
+        str(path.relative_to(ROOT)): sum(
+            not line.startswith('| ') for line in path.read_text(encoding='utf-8').splitlines()
+        )
         for path in files
         if path.suffix in WRITTEN and path.is_file()
     }
