@@ -1,4 +1,4 @@
-"""The largest number of a row, and weighted sums, by vector instructions."""
+"""Weighted sums by vector instructions, and a rough logarithm."""
 
 from __future__ import annotations
 
@@ -21,9 +21,7 @@ from gear_dynamics.integrator.vector import (
     LANES,
     ahead,
     data_of,
-    largest_lane,
     load,
-    magnitude,
     multiply_add,
     number_at,
     spread,
@@ -44,24 +42,6 @@ def rough_log2(typing_context, number):
         return builder.fsub(scaled, ir.Constant(DOUBLE, 1023.0))
 
     return types.float64(number), generate
-
-
-@vector_code(plain.largest)
-def largest(typing_context, series, row, scales):
-    """Return the largest magnitude in a row of a series, each column times its scale.
-
-    series : (ROWS, 8) array; scales : (8,) array.
-    """
-
-    def generate(context, builder, signature, arguments):
-        data = data_of(context, builder, signature.args[0], arguments[0])
-        scale = data_of(context, builder, signature.args[2], arguments[2])
-        index = context.cast(builder, arguments[1], signature.args[1], types.int64)
-        vector = load(builder, data, ahead(builder, index, LANES, 0))
-        scaled = builder.fmul(vector, load(builder, scale, 0))
-        return largest_lane(builder, magnitude(builder, scaled))
-
-    return types.float64(series, row, scales), generate
 
 
 @vector_code(plain.weighted_rows)

@@ -30,11 +30,6 @@ def rough_log2(number):
     return float(np.float64(number).view(np.int64)) * 2.0**-52 - 1023.0
 
 
-def largest(series, row, scales):
-    """Return the largest magnitude in a row of a series, each column times its scale."""
-    return np.abs(series[row] * scales).max()
-
-
 def weighted_rows(weights, rows, first, out, row):
     """Put the weighted sum of the filtered columns of TAPS rows into those of a row of `out`."""
     out[row, FILTERED] = weights[:TAPS] @ rows[first : first + TAPS, FILTERED]

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from gear_dynamics.integrator.kernel import kernel
-from gear_dynamics.integrator.lanes import largest, rough_log2
+from gear_dynamics.integrator.lanes import rough_log2
 from gear_dynamics.integrator.layout import (
     ERROR,
     ORDER,
@@ -119,6 +119,15 @@ def polynomial(rows, row, t):
 
 
 @kernel
+def _largest(series, row, scales):
+    """Return the largest magnitude in a row of the series, each column times its scale."""
+    most = 0.0
+    for j in range(scales.size):
+        most = max(most, abs(series[row, j] * scales[j]))
+    return most
+
+
+@kernel
 def step_size(motion):
     """Return the step [s] whose local error meets the tolerance.
 
@@ -128,9 +137,9 @@ def step_size(motion):
     """
     p, series = motion.constants, motion.series
     scales = p.scales
-    size = max(largest(series, 0, scales), largest(series, 1, scales) / p.wn)
+    size = max(_largest(series, 0, scales), _largest(series, 1, scales) / p.wn)
     tolerance = 0.03 * (p.atol * p.b + p.rtol * size) * p.wn**2
-    last = (ROWS - 1) * (ROWS - 2) * largest(series, ROWS - 1, scales)
-    before = (ROWS - 2) * (ROWS - 3) * largest(series, ROWS - 2, scales)
+    last = (ROWS - 1) * (ROWS - 2) * _largest(series, ROWS - 1, scales)
+    before = (ROWS - 2) * (ROWS - 3) * _largest(series, ROWS - 2, scales)
     by_last, by_before = rough_log2(tolerance / last), rough_log2(tolerance / before)
     return 2.0 ** min(by_last / (ROWS - 3), by_before / (ROWS - 4))

@@ -7,7 +7,6 @@ order: the same input gives the same bits wherever it stands.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 from llvmlite import ir
@@ -89,30 +88,9 @@ def multiply_add(builder: Any, a: Any, b: Any, c: Any = None) -> Any:
     return builder.call(function, [a, b, c])
 
 
-def magnitude(builder: Any, vector: Any) -> Any:
-    """Return the absolute value of each lane."""
-    kind = ir.FunctionType(_VECTOR, [_VECTOR])
-    function = cgutils.get_or_insert_function(builder.module, kind, 'llvm.fabs.v8f64')
-    return builder.call(function, [vector])
-
-
-def larger(builder: Any, a: Any, b: Any) -> Any:
-    """Return the larger of each two lanes."""
-    return builder.select(builder.fcmp_ordered('>', a, b), a, b)
-
-
-def largest_lane(builder: Any, vector: Any) -> Any:
-    """Return the largest lane as a number."""
-    return _all_lanes(builder, vector, larger)
-
-
 def sum_of_lanes(builder: Any, vector: Any) -> Any:
     """Return the sum of the lanes as a number."""
-    return _all_lanes(builder, vector, lambda builder, a, b: builder.fadd(a, b))
-
-
-def _all_lanes(builder: Any, vector: Any, join: Callable[[Any, Any, Any], Any]) -> Any:
     for step in (4, 2, 1):
         other = _shuffled(builder, vector, [(j + step) % LANES for j in range(LANES)])
-        vector = join(builder, vector, other)
+        vector = builder.fadd(vector, other)
     return builder.extract_element(vector, ir.Constant(ir.IntType(32), 0))

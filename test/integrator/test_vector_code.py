@@ -73,12 +73,6 @@ def test_rough_logarithm(exponent, rng):
     assert abs(got - np.log2(number)) < 0.09
 
 
-def test_largest_of_a_row(rng):
-    series, scales = rng.standard_normal((ROWS, 8)), rng.random(8)
-    got, expected = compared(lanes, 'largest', [series, 5, scales])
-    assert got == expected == max(abs(series[5] * scales))
-
-
 def test_weighted_sums(rng):
     weights = np.zeros(PADDED_TAPS)
     weights[:TAPS] = rng.standard_normal(TAPS)
