@@ -41,9 +41,9 @@ SEG_FORCE, SEG_FRICTION, SEG_MOMENT = 0, 3, 6
 SEGMENT = 9
 
 # Rows of the polynomials in time of a tooth pair with deviations: relative changes of stiffness and
-# damping, flank error, and what is added to mu.
-PAIR_STIFFNESS, PAIR_DAMPING, PAIR_ERROR, PAIR_FRICTION = range(4)
-PAIR_ROWS = 4
+# damping, flank error, what is added to mu, and prod(1 - loss) - 1.
+PAIR_STIFFNESS, PAIR_DAMPING, PAIR_ERROR, PAIR_FRICTION, PAIR_LOSS = range(5)
+PAIR_ROWS = 5
 
 # Signals that terms of ports add to, in the order of model.ports.SIGNALS.
 SIGNAL = {name: i for i, name in enumerate(SIGNALS)}

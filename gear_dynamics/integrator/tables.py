@@ -31,11 +31,13 @@ PIECES = np.dtype(
         ('end', np.float64),
         ('ramp', np.int64),
         ('flawed', np.int64),
+        ('loss', np.float64),
         ('coefficients', np.float64, (len(TOOTH_QUANTITIES), DEGREE + 1)),
     ]
 )
 """Pieces of tooth deviations: begin and end, s in base pitches; the group of terms whose strength
-they have; whether they have a flank error; coefficients in the order of PAIR_STIFFNESS, ..."""
+they have; whether they have a flank error; share of k and c that is lost; coefficients in the order
+of PAIR_STIFFNESS, ..."""
 
 WAVES = np.dtype(
     [(name, np.int64) for name in ('signal', 'teeth', 'derivative', 'ramp')]
@@ -273,7 +275,7 @@ def _tooth_pieces(pair: GearPair, term: ToothDeviation, ramp: int) -> np.ndarray
     rows['begin'], rows['end'], rows['ramp'] = places[:-1], places[1:], ramp
     for i, name in enumerate(TOOTH_QUANTITIES):
         rows['coefficients'][:, i] = getattr(term, name)
-    rows['flawed'] = term.error.any()
+    rows['flawed'], rows['loss'] = term.error.any(), term.loss
     return rows
 
 

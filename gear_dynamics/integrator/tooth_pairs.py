@@ -5,8 +5,15 @@ from __future__ import annotations
 import math
 
 from gear_dynamics.integrator.kernel import kernel
-from gear_dynamics.integrator.layout import PAIR_ERROR, PAIR_ROWS, ROWS
-from gear_dynamics.integrator.polynomial import add_scaled, compose
+from gear_dynamics.integrator.layout import (
+    PAIR_DAMPING,
+    PAIR_ERROR,
+    PAIR_LOSS,
+    PAIR_ROWS,
+    PAIR_STIFFNESS,
+    ROWS,
+)
+from gear_dynamics.integrator.polynomial import add_product, add_scaled, compose
 from gear_dynamics.integrator.signals import strength
 from gear_dynamics.integrator.tables import unpack
 
@@ -28,6 +35,8 @@ def look_up(motion, ports, pairs):
             # Most teeth have none: not even the call.
             if tables.teeth[group] < tables.teeth[group + 1]:
                 _look_up_group(motion, ports, ahead, group)
+        if contact.active[0, ahead] and motion.pair_degrees[ahead, PAIR_LOSS] >= 0:
+            _lose(motion, ahead)
         # The pair before: the teeth before, without a division.
         tooth1 = tooth1 - 1 if tooth1 > 0 else z1 - 1
         tooth2 = tooth2 - 1 if tooth2 > 0 else z2 - 1
@@ -70,7 +79,11 @@ def _add_piece(motion, piece, ramp, ahead):
     rate = turn * motion.commands.speed * by_length
     half_ramp = 0.5 * turn * motion.commands.accel * by_length
     degrees, grows = motion.pair_degrees[ahead], 1 if slope != 0.0 else 0
-    for row in range(PAIR_ROWS):
+    if piece.loss != 0.0:
+        degrees[PAIR_LOSS] = _multiply(
+            rows[PAIR_LOSS], degrees[PAIR_LOSS], piece.loss * factor, piece.loss * slope
+        )
+    for row in range(PAIR_LOSS):
         if row == PAIR_ERROR and not piece.flawed:
             continue
         size = compose(piece.coefficients[row], place, rate, half_ramp, scratch)
@@ -79,3 +92,26 @@ def _add_piece(motion, piece, ramp, ahead):
         # A row is zero beyond its terms.
         add_scaled(rows[row], ROWS - 1, scratch, size, factor, slope, ROWS)
         degrees[row] = max(degrees[row], min(size + grows, ROWS - 1))
+
+
+@kernel
+def _multiply(row, degree, loss, rate):
+    """Multiply 1 + a polynomial by 1 - loss - rate t; return the degree of the polynomial left."""
+    for k in range(max(degree, 0), -1, -1):
+        present = row[k] + 1.0 if k == 0 else row[k]
+        if rate != 0.0 and k + 1 < ROWS:
+            row[k + 1] -= rate * present
+        row[k] -= loss * present
+    return min(max(degree, 0) + (1 if rate != 0.0 else 0), ROWS - 1)
+
+
+@kernel
+def _lose(motion, ahead):
+    """Multiply stiffness and damping of a tooth pair by what the losses leave."""
+    rows, degrees, scratch = motion.pairs[ahead], motion.pair_degrees[ahead], motion.scratch[0]
+    loss, last = rows[PAIR_LOSS], degrees[PAIR_LOSS]
+    for row in (PAIR_STIFFNESS, PAIR_DAMPING):
+        own = rows[row]
+        size = add_product(scratch, -1, own, degrees[row], loss, last, 1.0, ROWS)
+        size = add_scaled(scratch, size, loss, last, 1.0, 0.0, ROWS)
+        degrees[row] = add_scaled(own, degrees[row], scratch, size, 1.0, 0.0, ROWS)

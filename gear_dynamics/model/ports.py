@@ -1,7 +1,6 @@
 """The ports of the model: how a machine may depart from the healthy one, as plain data.
 
-A fault is a `Ports`, a set of terms that add up. The equations of docs/model.md know the sums of
-the terms and nothing of faults:
+A fault is a `Ports`, a set of terms. The equations of docs/model.md know nothing of faults:
 
 - `ToothDeviation`: stiffness, damping, flank error and friction of tooth pairs along the path of
   contact, of all pairs or of those of one tooth;
@@ -93,10 +92,10 @@ class Term(abc.ABC):
 class ToothDeviation(Term):
     """Departure of tooth pairs from the nominal pair, as polynomials along the path of contact.
 
-    With the sums over all terms that hold for a pair i at s, the pair has
+    With the sums and products over all terms that hold for a pair i at s, the pair has
 
-        k_i = k (1 + sum stiffness)    c_i = c (1 + sum damping)
-        e_i = sum error                mu_i = mu + sum friction
+        k_i = k (1 + sum stiffness) prod(1 - loss)    e_i = sum error
+        c_i = c (1 + sum damping) prod(1 - loss)      mu_i = mu + sum friction
 
     Parameters
     ----------
@@ -110,11 +109,13 @@ class ToothDeviation(Term):
         Coefficients of each piece, m <= DEGREE + 1, the lowest first, of the place in the piece,
         x = (s - edges[j]) / (edges[j + 1] - edges[j]) from 0 to 1. stiffness and damping are
         relative to the nominal pair, error is in m, friction is added to mu. Left out: 0.
+    loss : float
+        Share of stiffness and damping that is lost, 0 to 1, as where part of a face is missing.
 
     Raises
     ------
     ParameterError
-        If a value has the wrong shape, is not finite, or names a tooth that cannot be.
+        If a value has the wrong shape or range, or names a tooth that cannot be.
     """
 
     wheel: str | None
@@ -124,6 +125,7 @@ class ToothDeviation(Term):
     damping: np.ndarray = 0.0  # type: ignore[assignment]
     error: np.ndarray = 0.0  # type: ignore[assignment]
     friction: np.ndarray = 0.0  # type: ignore[assignment]
+    loss: float = 0.0
 
     def __post_init__(self) -> None:
         if self.wheel not in (*WHEELS, None):
@@ -135,16 +137,19 @@ class ToothDeviation(Term):
         _set(self, 'edges', increasing('edges', self.edges))
         for name in TOOTH_QUANTITIES:
             _set(self, name, pieces(name, getattr(self, name), len(self.edges) - 1))
+        _set(self, 'loss', finite('loss', self.loss))
+        if not 0 <= self.loss <= 1:
+            raise ParameterError(f'loss is {self.loss:g}: it must be from 0 to 1')
 
     @property
     def is_zero(self) -> bool:
         """Whether the term adds nothing."""
-        return not any(getattr(self, name).any() for name in TOOTH_QUANTITIES)
+        return not (self.loss or any(getattr(self, name).any() for name in TOOTH_QUANTITIES))
 
     def scaled(self, factor: float) -> ToothDeviation:
         """Return the term times a factor."""
         return dataclasses.replace(
-            self, **{name: factor * getattr(self, name) for name in TOOTH_QUANTITIES}
+            self, **{name: factor * getattr(self, name) for name in (*TOOTH_QUANTITIES, 'loss')}
         )
 
 

@@ -59,7 +59,7 @@ class Pair:
 
     number: int  # in the order of engagement
     sliding: int  # lambda
-    pieces: list  # begin and end, then coefficients of stiffness, damping, error, friction
+    pieces: list  # begin and end, coefficients of stiffness, damping, error, friction; loss
     contact: int = 1  # drive flank 1, gap 0, back flank -1
 
 
@@ -225,7 +225,12 @@ class Equations:
                 'gear': number % self.pair.gear_teeth,
             }
             pieces = [
-                (a, b, [getattr(t, q)[j] for q in ('stiffness', 'damping', 'error', 'friction')])
+                (
+                    a,
+                    b,
+                    [getattr(t, q)[j] for q in ('stiffness', 'damping', 'error', 'friction')],
+                    t.loss,
+                )
                 for t in self.ports
                 if hasattr(t, 'edges') and (t.tooth is None or t.tooth == teeth[t.wheel])
                 for j, (a, b) in enumerate(itertools.pairwise(t.edges))
@@ -239,15 +244,17 @@ class Equations:
         turned, speed = self.rigid_motion(t)
         s = (self.pair.pinion_teeth * turned / (2 * math.pi) - pair.number) * self.pb
         s_dot = self.pb * self.pair.pinion_teeth / (2 * math.pi) * speed
-        k, c, e, rate = self.k, self.c, 0.0, 0.0
+        k, c, e, rate, left = self.k, self.c, 0.0, 0.0, 1.0
         mu = self.mu + self.signal('friction', t)[0]
         strength, fading = self.fade(t)
-        for begin, end, (stiffness, damping, error, friction) in pair.pieces:
+        for begin, end, (stiffness, damping, error, friction), loss in pair.pieces:
+            left *= 1 - strength * loss
             k += strength * self.k * piece_at(begin, end, stiffness, s)[0]
             c += strength * self.c * piece_at(begin, end, damping, s)[0]
             mu += strength * piece_at(begin, end, friction, s)[0]
             height, rise = piece_at(begin, end, error, s)
             e, rate = e + strength * height, rate + strength * rise * s_dot + fading * height
+        k, c = k * left, c * left
         if self.pair.mesh_stiffness == 'constant':
             share = 1 / self.sharing
             k, c = k * share, c * share

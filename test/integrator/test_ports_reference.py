@@ -56,9 +56,10 @@ TERMS = {
 TOOTH = ToothDeviation(
     'pinion', 2, [0.001, 0.004, 0.009], stiffness=[[-0.1, -0.3, 0.1], [-0.3, 0.0, 0.3]],
     damping=[[-0.2], [-0.2]], error=[[0.0, 0.0, 3e-6], [3e-6, 0.0, -3e-6]],
-    friction=[[0.01, 0.0], [0.02, 0.05]],
+    friction=[[0.01, 0.0], [0.02, 0.05]], loss=0.2,
 )  # fmt: skip
-EVERYTHING = [*itertools.chain(*TERMS.values()), TOOTH]
+BROKEN = ToothDeviation('gear', 2, [0.002, 0.01], loss=0.6)
+EVERYTHING = [*itertools.chain(*TERMS.values()), TOOTH, BROKEN]
 
 
 def assert_equal(terms, rpm, pair=DEFAULT, **commands):

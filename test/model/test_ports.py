@@ -67,6 +67,7 @@ def test_noise_repeats_and_joins_smoothly():
         (lambda: ToothDeviation('gear', 5, [1, 0]), 'edges'),
         (lambda: ToothDeviation('gear', 5, [0, 1], stiffness=[[0.1], [0.2]]), 'stiffness'),
         (lambda: ToothDeviation('gear', 5, [0, 1], error=[[np.nan]]), 'error'),
+        (lambda: ToothDeviation('gear', 5, [0, 1], loss=1.1), 'loss is 1.1: .* from 0 to 1'),
         (lambda: Harmonic('torque', 'gear', 1.0, 1.0), 'torque'),
         (lambda: Harmonic('friction', 'wheel', 1.0, 1.0), 'wheel'),
         (lambda: Harmonic('friction', 'gear', np.inf, 1.0), 'order'),

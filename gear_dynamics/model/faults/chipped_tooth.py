@@ -16,7 +16,6 @@ from gear_dynamics.model.faults.fault import (
 )
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.mesh.path import PathOfContact
-from gear_dynamics.model.mesh.stiffness import deviation
 from gear_dynamics.model.ports import Ports, ToothDeviation
 from gear_dynamics.parameters.parameter import parameter
 
@@ -61,19 +60,8 @@ class ChippedTooth(Fault):
         lost = self._length_on_path(pair, tooth.tip_radius, tooth.base_radius)
         begin = path.length - lost if self.wheel == 'pinion' else 0.0
         share = self.width / pair.face_width
-        found = deviation(pair, lambda s, healthy: (1 - share) * healthy, begin, begin + lost)
-        damping = np.full((len(found.edges) - 1, 1), -share)
-        return Ports(
-            [
-                ToothDeviation(
-                    self.wheel,
-                    self.tooth,
-                    found.edges,
-                    stiffness=found.coefficients,
-                    damping=damping,
-                )
-            ]
-        )
+        edges = np.array([begin, begin + lost])
+        return Ports([ToothDeviation(self.wheel, self.tooth, edges, loss=share)])
 
     def _length_on_path(self, pair: GearPair, tip: float, base: float) -> float:
         below = tip - self.height

@@ -6,17 +6,13 @@ import functools
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-import numpy as np
-
+from gear_dynamics.model.faults.excess import Part, refuse_excess
 from gear_dynamics.model.faults.fault import Fault, Operation
+from gear_dynamics.model.faults.support_wear import SupportWear
 from gear_dynamics.model.friction import friction_ports
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.mesh.piecewise import Pieces
-from gear_dynamics.model.ports import HEALTHY, Ports, ToothDeviation
+from gear_dynamics.model.ports import HEALTHY, Ports
 from gear_dynamics.parameters.parameter import ParameterError, refuse_unknown_name
-
-LEAST_STIFFNESS = 0.02
-"""Least stiffness of all tooth pairs, over the nominal one."""
 
 
 def checked_faults(faults: Any) -> tuple[Fault, ...]:
@@ -54,16 +50,22 @@ def fault_ports(
     Raises
     ------
     ParameterError
-        If a fault does not fit the pair, or the faults together leave no backlash, no support or
-        no stiffness of a tooth pair.
+        If a fault does not fit the pair, or the faults together leave no backlash or no
+        stiffness of a tooth pair.
     """
-    total = HEALTHY
+    support = {'pinion': 1.0, 'gear': 1.0}
+    parts = []
     for fault in faults:
-        total = total + _ports_of(fault, pair, operation or Operation())
-    if total != HEALTHY:
-        _refuse_excess(pair, total)
-        _refuse_negative_stiffness(pair, pair.healthy_ports + total)
-    return total
+        ports = _ports_of(fault, pair, operation or Operation())
+        if isinstance(fault, SupportWear):
+            # A support that is worn twice loses a share of what is left.
+            ports = ports.scaled(support[fault.wheel])
+            support[fault.wheel] *= 1 - fault.share
+        if ports != HEALTHY:
+            parts.append(Part(fault, ports))
+    if parts:
+        refuse_excess(pair, parts)
+    return sum((part.ports for part in parts), HEALTHY)
 
 
 def machine_ports(
@@ -83,54 +85,6 @@ def machine_ports(
 @functools.lru_cache(maxsize=256)
 def _ports_of(fault: Fault, pair: GearPair, operation: Operation) -> Ports:
     return fault.ports(pair, operation)
-
-
-def _refuse_excess(pair: GearPair, ports: Ports) -> None:
-    """Refuse sums of terms that leave nothing of the backlash, of a support, or of the friction."""
-    for signal, present, what in (
-        ('half_backlash', pair.half_backlash, 'half backlash [m]'),
-        ('pinion_support_stiffness', pair.pinion_support_stiffness, 'pinion support [N/m]'),
-        ('gear_support_stiffness', pair.gear_support_stiffness, 'gear support [N/m]'),
-    ):
-        taken = 0.0
-        for term in ports:
-            if getattr(term, 'signal', '') == signal:
-                offset = getattr(term, 'value', None)
-                taken += -offset if offset is not None else abs(getattr(term, 'amplitude', 0.0))
-        if taken >= present:
-            raise ParameterError(
-                f'the faults together take {taken:g} off the {what}, which is {present:g}: make '
-                'their severities smaller'
-            )
-
-
-def _refuse_negative_stiffness(pair: GearPair, ports: Ports) -> None:
-    """Refuse tooth deviations that together take more than the whole stiffness of a tooth pair."""
-    s = np.linspace(0.0, 1.0, 201)[1:-1] * pair.derived.path_length
-    everywhere, by_tooth = np.ones(s.size), {'pinion': {}, 'gear': {}}  # type: ignore[var-annotated]
-    for term in ports:
-        if isinstance(term, ToothDeviation) and term.stiffness.any():
-            change = Pieces(term.edges, term.stiffness).at(s)
-            if term.tooth is None or term.wheel is None:
-                everywhere += change
-            else:
-                teeth = by_tooth[term.wheel]
-                teeth[term.tooth] = teeth.get(term.tooth, 0.0) + change
-    left = max(round(float(everywhere.min()), 6), 0.0)
-    if left < LEAST_STIFFNESS:
-        raise ParameterError(
-            f'the faults of all teeth leave {left:g} of the stiffness of a '
-            f'tooth pair: it must be at least {LEAST_STIFFNESS}; make their severities smaller'
-        )
-    worst = everywhere.copy()
-    for teeth in by_tooth.values():
-        if teeth:
-            worst += np.minimum(np.min(list(teeth.values()), axis=0), 0.0)
-    if worst.min() < -1e-4:
-        raise ParameterError(
-            f'the faults of teeth that meet take {1 - worst.min():.3g} of the stiffness of a '
-            'tooth pair: it can be 1 at most; make their severities smaller'
-        )
 
 
 def fault_of(values: Mapping[str, Any]) -> Fault:

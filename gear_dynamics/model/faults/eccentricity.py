@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 
-from gear_dynamics.model.faults.fault import Operation, WheelFault
+from gear_dynamics.model.faults.fault import Operation, WheelFault, rounded_down
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.ports import Harmonic, Ports
 from gear_dynamics.parameters.parameter import parameter
@@ -39,12 +39,12 @@ class Eccentricity(WheelFault):
 
     def _ports(self, pair: GearPair, operation: Operation) -> Ports:
         angle, phase = math.radians(pair.pressure_angle_deg), math.radians(self.phase_deg)
-        radial = self.offset * math.sin(angle)
+        radial, most = self.offset * math.sin(angle), pair.half_backlash / math.sin(angle)
         if radial >= pair.half_backlash:
             raise self.refusal(
                 'offset',
                 self.offset,
-                f'below {pair.half_backlash / math.sin(angle):.3g} m, which closes the backlash',
+                f'below {rounded_down(most)} m, which closes the backlash',
             )
         return Ports(
             [

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import abc
 import dataclasses
+import math
 import re
 from typing import Any, ClassVar, NamedTuple
 
@@ -131,6 +132,12 @@ class WheelFault(Fault):
 
     MIRROR: ClassVar[dict[str, float]] = {'pinion': 1.0, 'gear': -1.0}
     """The gear turns the other way."""
+
+
+def rounded_down(value: float) -> str:
+    """Return a limit to four digits that is not above it: what a message allows is allowed."""
+    step = 10.0 ** (math.floor(math.log10(value)) - 3)
+    return f'{math.floor(value / step) * step:.4g}'
 
 
 def limits(pair: GearPair) -> np.ndarray:

@@ -9,7 +9,6 @@ import numpy as np
 
 from gear_dynamics.model.faults.fault import Fault, Operation, limits, severity_parameter
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.mesh.stiffness import deviation
 from gear_dynamics.model.ports import Ports, ToothDeviation
 from gear_dynamics.parameters.parameter import parameter
 
@@ -58,13 +57,8 @@ class Misalignment(Fault):
     def _ports(self, pair: GearPair, operation: Operation) -> Ports:
         share = self.share(pair, operation)
         intercept = self._approach(pair, operation) / 2 if share < 1 else self.gap / 2
-        found = deviation(pair, lambda s, healthy: share * healthy)
-        damping = np.full((len(found.edges) - 1, 1), share - 1)
-        shifted = ToothDeviation(None, None, limits(pair), error=np.array([[intercept]]))
-        softer = ToothDeviation(
-            None, None, found.edges, stiffness=found.coefficients, damping=damping
-        )
-        return Ports([softer, shifted])
+        error = np.array([[intercept]])
+        return Ports([ToothDeviation(None, None, limits(pair), error=error, loss=1 - share)])
 
     def orders(self, pair: GearPair) -> tuple[float, ...]:
         """Return the order of the mesh: all teeth are alike."""

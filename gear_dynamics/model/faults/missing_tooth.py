@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 
-import numpy as np
-
 from gear_dynamics.model.faults.fault import (
     Fault,
     Operation,
+    limits,
     severity_parameter,
     tooth_parameter,
     wheel_parameter,
 )
 from gear_dynamics.model.gear_pair import GearPair
-from gear_dynamics.model.mesh.stiffness import deviation
 from gear_dynamics.model.ports import Ports, ToothDeviation
 
 
@@ -40,16 +38,4 @@ class MissingTooth(Fault):
         return self.severity
 
     def _ports(self, pair: GearPair, operation: Operation) -> Ports:
-        found = deviation(pair, lambda s, healthy: (1 - self.share) * healthy)
-        damping = np.full((len(found.edges) - 1, 1), -self.share)
-        return Ports(
-            [
-                ToothDeviation(
-                    self.wheel,
-                    self.tooth,
-                    found.edges,
-                    stiffness=found.coefficients,
-                    damping=damping,
-                )
-            ]
-        )
+        return Ports([ToothDeviation(self.wheel, self.tooth, limits(pair), loss=self.share)])

@@ -10,6 +10,7 @@ import numpy as np
 from gear_dynamics.model.faults.fault import (
     Fault,
     Operation,
+    rounded_down,
     severity_parameter,
     tooth_parameter,
     wheel_parameter,
@@ -82,7 +83,7 @@ class RootCrack(Fault):
             raise self.refusal(
                 'depth',
                 self.depth,
-                f'at most {half / slope:.3g} m, to the centre line of the tooth',
+                f'at most {rounded_down(half / slope)} m, to the centre line of the tooth',
             )
         return half - self.depth * slope
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 
 import numpy as np
 
 from gear_dynamics.model.faults.fault import (
     Fault,
     Operation,
+    rounded_down,
     severity_parameter,
     tooth_parameter,
     wheel_parameter,
@@ -55,12 +57,18 @@ class Spall(Fault):
         return self.severity * self.deepest
 
     def _ports(self, pair: GearPair, operation: Operation) -> Ports:
-        middle = self.place * pair.derived.path_length
-        edges = middle + self.length * np.array([-0.5, SLOPE - 0.5, 0.5 - SLOPE, 0.5])
-        if edges[0] < 0 or edges[-1] > pair.derived.path_length:
-            margin = self.length / 2 / pair.derived.path_length
+        whole = pair.derived.path_length
+        if self.length > whole:
             raise self.refusal(
-                'place', self.place, f'from {margin:.3g} to {1 - margin:.3g} for its length'
+                'length', self.length, f'at most the path of contact, {rounded_down(whole)} m'
+            )
+        edges = self.place * whole + self.length * np.array([-0.5, SLOPE - 0.5, 0.5 - SLOPE, 0.5])
+        if edges[0] < 0 or edges[-1] > whole:
+            margin = math.ceil(self.length / 2 / whole * 1e4) / 1e4
+            raise self.refusal(
+                'place',
+                self.place,
+                f'from {margin:g} to {1 - margin:g} for a length of {self.length:g} m',
             )
         down, flat, up = [0.0, 0.0, 3.0, -2.0], [1.0, 0.0, 0.0, 0.0], [1.0, 0.0, -3.0, 2.0]
         error = self.depth * np.array([down, flat, up])

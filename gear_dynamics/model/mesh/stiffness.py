@@ -90,8 +90,6 @@ def pieces(pair: GearPairParameters) -> Pieces:
 def deviation(
     pair: GearPairParameters,
     changed: Callable[[np.ndarray, np.ndarray], np.ndarray],
-    begin: float = 0.0,
-    end: float | None = None,
 ) -> Pieces:
     """Return a change of stiffness in the form of `ports.ToothDeviation`.
 
@@ -100,19 +98,15 @@ def deviation(
     pair : GearPairParameters
     changed : callable
         Gives the changed stiffness of a tooth pair from s and the healthy one, (n,) arrays.
-    begin, end : float, optional
-        Part of the path of contact [m]; the whole by default.
     """
     law = stiffness(pair)
-    end = law.cuts[-1] if end is None else end
-    cuts = [begin, *(cut for cut in law.cuts if begin < cut < end), end]
     healthy = pieces(pair).at
 
     def relative(s: np.ndarray) -> np.ndarray:
         k = healthy(s)
         return (changed(s, k) - k) / law.nominal(s)
 
-    return fit(relative, cuts, DEVIATION_TOLERANCE, scale=1.0)
+    return fit(relative, law.cuts, DEVIATION_TOLERANCE, scale=1.0)
 
 
 def single_stiffnesses(pair: GearPairParameters) -> dict[str, float]:

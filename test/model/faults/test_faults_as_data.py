@@ -148,11 +148,11 @@ def test_misaligned_face_carries_the_mean_load_with_the_right_stiffness(gap):
     pair = GearPair()
     fault = faults.Misalignment(severity=1.0, widest=gap)
     terms = fault.ports(pair).terms
-    softer = sum(term.stiffness[0, 0] for term in terms)
+    left = math.prod(1 - term.loss for term in terms)
     intercept = sum(term.error[0, 0] for term in terms)
     d = pair.derived
     force = 150.0 / d.gear_base_radius / d.contact_ratio
-    k = d.single_stiffness * (1 + softer)
+    k = d.single_stiffness * left
     approach = force / k + intercept
     # Slices of the face, each of which touches where the gap is closed.
     slices = (np.arange(20000) + 0.5) / 20000 * gap
@@ -201,23 +201,41 @@ def test_fault_that_does_not_fit_is_refused_in_one_line(fault, message):
 
 def test_faults_that_leave_no_backlash_together_are_refused():
     both = [faults.Eccentricity(wheel, severity=1.0, largest=3e-4) for wheel in ('pinion', 'gear')]
-    with pytest.raises(ParameterError, match=r'together take .* off the half backlash'):
+    with pytest.raises(
+        ParameterError, match=r'eccentricity severity is 1 \(gear\): together .* than 0.00015'
+    ):
         machine_ports(QUIET, both)
 
 
 @pytest.mark.parametrize(
     ('given', 'message'),
     [
-        ([faults.MissingTooth(tooth=None, severity=1.0)], 'all teeth leave 0 of the stiffness'),
         (
-            [faults.MissingTooth(wheel, severity=0.6) for wheel in ('pinion', 'gear')],
-            'teeth that meet take 1.2 of the stiffness',
+            [faults.MissingTooth(tooth=None, severity=1.0)],
+            r'missing_tooth severity is 1 \(pinion\): these leave 0 of the stiffness .* 0.02',
+        ),
+        (
+            [
+                faults.RootCrack(wheel, severity=1.0, deepest=2.7e-3)
+                for wheel in 4 * ('pinion', 'gear')
+            ],
+            r'root_crack severity is 1 \(pinion tooth 0\), .* and 4 more: where these teeth meet',
         ),
     ],
 )
 def test_faults_that_leave_no_tooth_pair_are_refused(given, message):
     with pytest.raises(ParameterError, match=message):
         machine_ports(GearPair(), given)
+
+
+@pytest.mark.parametrize('severity', [0.6, 1.0])
+def test_losses_of_faults_that_meet_are_products(severity):
+    tooth = [faults.MissingTooth(wheel, severity=severity) for wheel in ('pinion', 'gear')]
+    losses = [term.loss for term in machine_ports(GearPair(), tooth)]
+    assert losses == [severity, severity]
+    worn = [faults.SupportWear('gear', severity=severity, most=0.8) for _ in range(2)]
+    left = 5e8 + sum(term.value for term in machine_ports(GearPair(), worn))
+    assert left == pytest.approx(5e8 * (1 - 0.8 * severity) ** 2)
 
 
 def test_labels_name_fault_place_and_orders():
