@@ -21,8 +21,11 @@ from gear_dynamics.integrator.layout import (
     PAIR_FRICTION,
     PAIR_STIFFNESS,
     PSI,
+    PUSH,
+    REST,
     STATES,
     SUPPORT_K,
+    SUPPORTED,
     VELOCITY,
 )
 from gear_dynamics.integrator.records import empty_records
@@ -178,7 +181,7 @@ def _open(records, zones, ports):
 def static_state(motion: Motion, pair: GearPair) -> np.ndarray:
     """Return the state in static balance with the load torque, at mesh phase 0, delta' = 0.
 
-    Rest points, and forces and torques of ports, are not counted: they act from then on.
+    Rest points and forces of ports are those at that instant; their torques act from then on.
     """
     _open(*motion)
     record, zone = motion.records[0], motion.zones[0]
@@ -204,8 +207,17 @@ def static_state(motion: Motion, pair: GearPair) -> np.ndarray:
         float(p[name] + (signals[row, 0] if degrees[row] >= 0 else 0.0))
         for name, row in (('k1', SUPPORT_K), ('k2', SUPPORT_K + 1))
     )
+    rest, force = (
+        np.where(degrees[row : row + SUPPORTED] >= 0, signals[row : row + SUPPORTED, 0], 0.0)
+        for row in (REST, PUSH)
+    )
     state[:COORDINATES] = static_equilibrium(
-        pairs, torque, float(half_backlash), pair.derived.gear_base_radius, (k1, k2)
+        pairs,
+        torque,
+        float(half_backlash),
+        pair.derived.gear_base_radius,
+        (k1, k2),
+        rest + force / np.array([k1, k1, k2, k2]),
     )
     state[PSI] += record['error'][0, 0]
     # In the order of a literal e', which a series would round otherwise.

@@ -172,15 +172,23 @@ def static_equilibrium(
     half_backlash: float,
     gear_base_radius: float,
     supports: tuple[float, float],
+    unloaded: Sequence[float] = (0.0, 0.0, 0.0, 0.0),
 ) -> np.ndarray:
     """Return the coordinates (6,) in static balance, with q = 0 and no transmission error.
 
     The gear's balance -T2 + rb2 F - Tf2 = 0 gives the mesh force. Tooth pairs share it by their
-    stiffness and flank error; those that would pull carry nothing. supports: their stiffness.
+    stiffness and flank error; those that would pull carry nothing. Where all teeth are missing, the
+    flanks are at the edge of the backlash. supports: their stiffness. unloaded: x1, y1, x2, y2
+    without mesh forces.
     """
     flank = 1.0 if load_torque >= 0 else -1.0
     rb2 = gear_base_radius
-    carry = list(pairs)
+    u = np.zeros(6)
+    u[:4] = unloaded
+    carry = [p for p in pairs if p.stiffness > 0]
+    if not carry:
+        u[PSI] = flank * half_backlash - u[Y2] + u[Y1]
+        return u
     while True:
         total = sum(p.stiffness for p in carry)
         mean = sum(p.stiffness / total * p.error for p in carry)
@@ -200,8 +208,7 @@ def static_equilibrium(
     shares = [p.friction * s for p, s in zip(carry, parts, strict=True)]
     friction = sum(shares) * force + sum(p.friction * a for p, a in zip(carry, apart, strict=True))
     k1, k2 = supports
-    u = np.zeros(6)
-    u[:4] = friction / k1, force / k1, -friction / k2, -force / k2
+    u[:4] += friction / k1, force / k1, -friction / k2, -force / k2
     delta = flank * half_backlash + force / total + mean
     u[PSI] = delta - u[Y2] + u[Y1]
     return u

@@ -27,6 +27,7 @@ COLUMNS = (
 
 
 UNIT_RAMP = (1.0, 0.0)
+QUANTITIES = ('stiffness', 'damping', 'error', 'friction')
 
 
 class Ramp:
@@ -225,12 +226,7 @@ class Equations:
                 'gear': number % self.pair.gear_teeth,
             }
             pieces = [
-                (
-                    a,
-                    b,
-                    [getattr(t, q)[j] for q in ('stiffness', 'damping', 'error', 'friction')],
-                    t.loss,
-                )
+                (a, b, [getattr(t, name)[j] for name in QUANTITIES], t.loss)
                 for t in self.ports
                 if hasattr(t, 'edges') and (t.tooth is None or t.tooth == teeth[t.wheel])
                 for j, (a, b) in enumerate(itertools.pairwise(t.edges))
@@ -373,13 +369,19 @@ class Equations:
             damping, self.c = self.c, 0.0
             force, friction, _, moment2 = self.forces(0.0, y, pairs)
             self.c = damping
-            k1, k2 = (self.support(wheel, 0.0)[0] for wheel in ('pinion', 'gear'))
+            on_body = [
+                self.support(wheel, 0.0)[0] * (self.signal(f'{wheel}_rest_{axis}', 0.0)[0] - x)
+                + self.signal(f'{wheel}_force_{axis}', 0.0)[0]
+                for (wheel, axis), x in zip(
+                    itertools.product(('pinion', 'gear'), 'xy'), u[:4], strict=True
+                )
+            ]
             return np.array(
                 [
-                    friction - k1 * u[0],
-                    force - k1 * u[1],
-                    -friction - k2 * u[2],
-                    -force - k2 * u[3],
+                    friction + on_body[0],
+                    force + on_body[1],
+                    -friction + on_body[2],
+                    -force + on_body[3],
                     (-self.torque(0.0) + self.rb2 * force - moment2) / self.rb2,
                 ]
             )

@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 from states import state_of_sample
 
+from gear_dynamics.model.faults import MissingTooth
 from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.ports import Harmonic, Ports
 from gear_dynamics.simulation.simulator import Simulator
 
 QUIET = GearPair(transmission_error_amplitude=0.0, friction_coefficient=0.0)
@@ -62,6 +64,32 @@ def test_run_starts_with_the_transmission_error_taken_up_by_rotation(phase, spee
     i1, i2 = pair.derived.pinion_inertia, pair.derived.gear_inertia
     assert i1 * state[4] + rb1 / rb2 * i2 * state[5] == pytest.approx(0, abs=1e-20)
     assert i1 * state[10] + rb1 / rb2 * i2 * state[11] == pytest.approx(0, abs=1e-15)
+
+
+def test_bodies_start_in_balance_with_rest_points_and_forces():
+    # 0.002 kg m at 104.72 rad/s push by 21.933 N at shaft angle 0, along x.
+    pushed = Harmonic('pinion_force_x', 'pinion', 1.0, -0.002, math.pi / 2, derivative=2)
+    moved = Harmonic('gear_rest_y', 'gear', 1.0, 30e-6, math.pi / 2)
+    sample, state = first_sample(QUIET, 150.0, ports=Ports([pushed, moved]))
+    force = sample['mesh_force']
+    unbalance = 0.002 * 104.72**2
+    expected = [unbalance / 5e8, force / 5e8, 0, 30e-6 - force / 5e8]
+    np.testing.assert_allclose(state[:4], expected, rtol=1e-12, atol=1e-20)
+    assert force == pytest.approx(150.0 / (0.059 * math.cos(math.radians(20))), rel=1e-12)
+
+
+def test_teeth_that_are_all_missing_start_at_the_edge_of_the_backlash():
+    # At phase 0 the teeth 0 and 33 of the pinion are in contact.
+    gone = [MissingTooth('pinion', tooth=tooth, severity=1.0) for tooth in (0, 33)]
+    simulator = Simulator(QUIET, faults=gone, anti_alias=False)
+    samples = simulator.advance(200)
+    assert samples['delta'][0] == pytest.approx(150e-6, rel=1e-12)
+    assert samples['mesh_force'][0] == 0
+    # Load and drive alone move the gears: delta'' = T2 / (rb2 me), until teeth meet.
+    pair = QUIET.derived
+    fall = 150.0 / pair.gear_base_radius / pair.equivalent_mass
+    assert np.diff(samples['delta_dot'][:10]) * 51200 == pytest.approx(fall, rel=1e-3)
+    assert samples['mesh_force'].max() > 0
 
 
 TOLERANCES = {'rtol': 1e-10, 'atol': 1e-13}

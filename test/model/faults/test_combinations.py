@@ -65,9 +65,11 @@ def test_any_combination_runs_finite_or_is_refused_in_one_line(part):
                 anti_alias=False,
             )
         except gd.ParameterError as error:
-            refused.append(str(error))
+            refused.append((str(error), faults))
             continue
         values = run.samples.view(np.float64)
         assert np.isfinite(values).all(), (seed, faults)
     assert len(refused) < COUNT / 8
-    assert not any('\n' in message for message in refused)
+    for message, faults in refused:
+        assert '\n' not in message
+        assert any(each.kind() in message for each in faults), message
