@@ -255,7 +255,8 @@ def run_cycles(
         On the gear [N m].
     cycles : int
     states : (n, STATES) array, optional
-        At mesh phase 0; the static deflection by default.
+        At mesh phase 0; the static deflection by default. Tooth 0 of both wheels comes into contact
+        then, also where the states are those that another call ended with.
     vectors : (n, k, VARIED) array, optional
         Variations to advance along with the motion; of the reduced form alone.
     orthogonal : bool

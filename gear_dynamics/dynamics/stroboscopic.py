@@ -11,7 +11,10 @@ from gear_dynamics.dynamics.initial import error_at_phase_0
 from gear_dynamics.dynamics.tangent import free_coordinates
 from gear_dynamics.integrator.layout import STATES
 from gear_dynamics.integrator.variation import VARIED
+from gear_dynamics.model.faults import Operation
 from gear_dynamics.model.gear_pair import GearPair
+from gear_dynamics.model.ports import Harmonic, Table, Term
+from gear_dynamics.parameters.parameter import ParameterError
 
 FREE = [0, 1, 2, 3, 4, 6, 7, 8, 9, 10]
 """The coordinates and velocities of the reduced form among the integrator's states."""
@@ -85,6 +88,11 @@ class GearMap:
         On the gear [N m].
     rtol, atol : float
         Tolerances of the integrator.
+
+    Raises
+    ------
+    ParameterError
+        If the pair has a fault that is not the same in every mesh cycle.
     """
 
     def __init__(
@@ -97,6 +105,7 @@ class GearMap:
         atol: float = 1e-15,
     ) -> None:
         self.pair, self.speed, self.load_torque = pair, speed, load_torque
+        _refuse_longer_period(pair, Operation(speed, load_torque))
         self._rtol, self._atol = rtol, atol
         self._free = free_coordinates(pair)
         scale = pair.half_backlash * np.repeat([1.0, pair.derived.wn], VARIED // 2)
@@ -169,6 +178,21 @@ class GearMap:
             atol=self._atol,
             **options,
         )
+
+
+def _refuse_longer_period(pair: GearPair, operation: Operation) -> None:
+    """Refuse faults that a map from one mesh cycle to the next does not repeat."""
+    for fault in getattr(pair, 'faults', ()):
+        if not all(_repeats(term) for term in fault.ports(pair, operation)):
+            raise ParameterError(
+                f'{fault.kind()} severity is {fault.severity:g}: the stroboscopic map takes only '
+                'faults that are the same in every mesh cycle; it must be 0'
+            )
+
+
+def _repeats(term: Term) -> bool:
+    """Return whether a term of a fault is the same in every mesh cycle."""
+    return getattr(term, 'tooth', None) is None and not isinstance(term, (Harmonic, Table))
 
 
 def _extrema(delta: np.ndarray, slope: np.ndarray) -> np.ndarray:

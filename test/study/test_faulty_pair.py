@@ -44,6 +44,16 @@ def test_map_of_a_faulty_pair_differs_where_its_tooth_is_in_contact():
     assert not same[2:4].any()
 
 
+@pytest.mark.parametrize('kind', gd.faults.KINDS)
+def test_map_over_one_mesh_cycle_has_only_faults_that_repeat_in_it(kind):
+    pair = gd.faults.faulty(gd.GearPair(), [gd.faults.KINDS[kind](severity=0.2)])
+    if kind in ('wear', 'misalignment', 'lubrication_loss', 'support_wear'):
+        assert dynamics.GearMap(pair, 104.72, 150.0).pair is pair
+        return
+    with pytest.raises(gd.ParameterError, match=f'{kind} severity is 0.2: .* must be 0'):
+        dynamics.GearMap(pair, 104.72, 150.0)
+
+
 def test_study_takes_faults_from_a_file_and_names_them(tmp_path, capsys):
     file = tmp_path / 'faults.yaml'
     file.write_text('- {fault: wear, wheel: gear, severity: 0.2}\n')
