@@ -11,7 +11,7 @@ from gear_dynamics.dynamics.initial import error_at_phase_0
 from gear_dynamics.dynamics.tangent import free_coordinates
 from gear_dynamics.integrator.layout import STATES
 from gear_dynamics.integrator.variation import VARIED
-from gear_dynamics.model.faults import Operation
+from gear_dynamics.model.faults import SpeedAndLoad
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.ports import Harmonic, Table, Term
 from gear_dynamics.parameters.parameter import ParameterError
@@ -105,7 +105,7 @@ class GearMap:
         atol: float = 1e-15,
     ) -> None:
         self.pair, self.speed, self.load_torque = pair, speed, load_torque
-        _refuse_longer_period(pair, Operation(speed, load_torque))
+        _refuse_longer_period(pair, SpeedAndLoad(speed, load_torque))
         self._rtol, self._atol = rtol, atol
         self._free = free_coordinates(pair)
         scale = pair.half_backlash * np.repeat([1.0, pair.derived.wn], VARIED // 2)
@@ -180,10 +180,10 @@ class GearMap:
         )
 
 
-def _refuse_longer_period(pair: GearPair, operation: Operation) -> None:
+def _refuse_longer_period(pair: GearPair, commanded: SpeedAndLoad) -> None:
     """Refuse faults that a map from one mesh cycle to the next does not repeat."""
     for fault in getattr(pair, 'faults', ()):
-        if not all(_repeats(term) for term in fault.ports(pair, operation)):
+        if not all(_repeats(term) for term in fault.ports(pair, commanded)):
             raise ParameterError(
                 f'{fault.kind()} severity is {fault.severity:g}: the stroboscopic map takes only '
                 'faults that are the same in every mesh cycle; it must be 0'

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rclpy.node import Node
 
-from gear_dynamics.model.faults import Fault, Operation
+from gear_dynamics.model.faults import Fault, SpeedAndLoad
 from gear_dynamics.model.faults.collection import fault_ports
 from gear_dynamics.model.faults.label import Label
 from gear_dynamics.model.gear_pair import GearPair
@@ -64,7 +64,7 @@ def refuse_unfit(sets: Sets, names: frozenset[str], node: str) -> None:
         pair = read_pair(settings.pair_file, node).pair
     elif not any(concerns_faults(name) or name in PAIR_NAMES for name in names):
         return
-    fault_ports(pair, faults_of(sets), Operation(settings.speed, settings.load_torque))
+    fault_ports(pair, faults_of(sets), SpeedAndLoad(settings.speed, settings.load_torque))
 
 
 class LabelTopic:

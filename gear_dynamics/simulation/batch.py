@@ -17,7 +17,7 @@ from gear_dynamics.integrator.layout import HIGH_RATE_COLUMNS
 from gear_dynamics.integrator.motion import start
 from gear_dynamics.integrator.records import empty_records
 from gear_dynamics.machine.columns import SAMPLE_COLUMNS, SAMPLES
-from gear_dynamics.model.faults import Fault, Operation
+from gear_dynamics.model.faults import Fault, SpeedAndLoad
 from gear_dynamics.model.faults.collection import checked_faults, fault_ports
 from gear_dynamics.model.gear_pair import GearPair, checked_pair
 from gear_dynamics.model.ports import HEALTHY, Ports, checked_ports
@@ -262,8 +262,8 @@ def simulate_batch(
         for speed, torque in zip(speeds, load_torques, strict=True)
     ]
     for i, (pair, run) in enumerate(zip(pairs, runs, strict=True)):
-        operation = Operation(run.speed, run.load_torque)
-        all_ports[i] = fault_ports(pair, all_faults[i], operation) + all_ports[i]
+        commanded = SpeedAndLoad(run.speed, run.load_torque)
+        all_ports[i] = fault_ports(pair, all_faults[i], commanded) + all_ports[i]
     samples = np.zeros((n, runs[0].sample_count(duration, SAMPLES.itemsize, n)), SAMPLES)
     if anti_alias:
         _fill_band_limited(pairs, runs, all_ports, samples)

@@ -18,7 +18,7 @@ from gear_dynamics.integrator.layout import (
 from gear_dynamics.integrator.motion import Motion, copy_of, place_all_contacts, time_of
 from gear_dynamics.integrator.series import advance_state
 from gear_dynamics.integrator.tables import Fade
-from gear_dynamics.model.faults import Fault, Operation
+from gear_dynamics.model.faults import Fault, SpeedAndLoad
 from gear_dynamics.model.faults.collection import machine_ports
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.ports import Ports
@@ -31,8 +31,8 @@ def model_ports(
     pair: GearPair, settings: RunSettings, ports: Ports, faults: Sequence[Fault] = ()
 ) -> Ports:
     """Return all ports of a machine: of its mesh, friction and faults, and those given."""
-    operation = Operation(settings.speed, settings.load_torque)
-    return machine_ports(pair, faults, operation) + ports
+    commanded = SpeedAndLoad(settings.speed, settings.load_torque)
+    return machine_ports(pair, faults, commanded) + ports
 
 
 @kernel

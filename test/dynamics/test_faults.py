@@ -33,7 +33,7 @@ GIVEN = {
 @pytest.mark.parametrize('kind', gd.faults.KINDS)
 def test_tangent_vectors_are_the_derivatives_of_the_motion(kind):
     fault = gd.faults.KINDS[kind](**{'severity': 0.5, **GIVEN.get(kind, {})})
-    ports = fault_ports(PAIR, [fault], gd.faults.Operation(SPEED, TORQUE))
+    ports = fault_ports(PAIR, [fault], gd.faults.SpeedAndLoad(SPEED, TORQUE))
     begin = run_cycles([PAIR], SPEED, TORQUE, 32, **TIGHT).states[0]
     step, wn = 1e-11, PAIR.derived.wn
     scale = np.array([1.0] * 5 + [wn] * 5)
@@ -64,6 +64,6 @@ def test_tangent_vectors_are_the_derivatives_of_the_motion(kind):
 def test_exponents_sum_to_the_divergence(kind):
     pair = dataclasses.replace(PAIR, friction_coefficient=0.02)
     fault = gd.faults.KINDS[kind](**{'severity': 0.5, **GIVEN.get(kind, {})})
-    ports = fault_ports(pair, [fault], gd.faults.Operation(SPEED, TORQUE))
+    ports = fault_ports(pair, [fault], gd.faults.SpeedAndLoad(SPEED, TORQUE))
     run = run_cycles([pair], SPEED, TORQUE, 100, vectors=np.eye(VARIED)[np.newaxis], ports=[ports])
     assert run.growth.sum() == pytest.approx(run.divergence.sum(), rel=1e-6)

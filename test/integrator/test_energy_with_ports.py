@@ -12,7 +12,7 @@ from test_faults_reference import EVERY_FAULT, POTENTIAL_ENERGY, RECTANGULAR, pl
 from test_ports_reference import EVERYTHING
 
 from gear_dynamics.model.faults.collection import machine_ports
-from gear_dynamics.model.faults.fault import Operation
+from gear_dynamics.model.faults.fault import SpeedAndLoad
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.ports import Ports
 from gear_dynamics.model.system import system
@@ -80,7 +80,7 @@ def test_kinetic_energy_changes_by_the_work_of_all_forces(rpm):
 def test_energy_closes_with_every_fault_on(pair):
     speed = 2500 * np.pi / 30
     simulator = Simulator(pair, speed=speed, faults=EVERY_FAULT, **TIGHT)
-    ports = machine_ports(pair, EVERY_FAULT, Operation(speed, 150.0))
+    ports = machine_ports(pair, EVERY_FAULT, SpeedAndLoad(speed, 150.0))
     equations = Equations(plain(pair), speed, 150.0, ports)
     change, work, lost, counts = balance(simulator, equations, cycles=4)
     assert lost > 0

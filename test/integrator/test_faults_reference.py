@@ -74,7 +74,7 @@ def test_every_fault_together_equals_reference(pair, rpm):
     # Pairs that pitch errors part make the static deflection a search, so the reference takes it.
     start = machine.state().coordinates()
     got = columns(machine.advance(COUNT))
-    ports = machine_ports(pair, EVERY_FAULT, faults.Operation(speed, LOAD))
+    ports = machine_ports(pair, EVERY_FAULT, faults.SpeedAndLoad(speed, LOAD))
     reference = Reference(plain(pair), speed, LOAD, ports)
     rows, away = reference.run(np.arange(COUNT) / RATE, start)
     assert reference.events

@@ -10,7 +10,7 @@ import importlib
 import pkgutil
 from typing import Any
 
-from gear_dynamics.model.faults.fault import Fault, Operation, WheelFault
+from gear_dynamics.model.faults.fault import Fault, SpeedAndLoad, WheelFault
 from gear_dynamics.model.faults.faulty_pair import FaultyPair, faulty
 
 _modules = [
@@ -28,7 +28,7 @@ KINDS: dict[str, type[Fault]] = {
 
 _CLASSES = {each.__name__: each for each in KINDS.values()}
 
-__all__ = ['KINDS', 'Fault', 'FaultyPair', 'Operation', 'faulty', *_CLASSES]
+__all__ = ['KINDS', 'Fault', 'FaultyPair', 'SpeedAndLoad', 'faulty', *_CLASSES]
 
 
 def __getattr__(name: str) -> Any:

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from gear_dynamics.model.faults.fault import Operation, WheelFault
+from gear_dynamics.model.faults.fault import SpeedAndLoad, WheelFault
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.ports import Ports, Table, smooth_pulse
 from gear_dynamics.parameters.parameter import parameter
@@ -100,7 +100,7 @@ class BearingDefect(WheelFault):
         turns = round(turns * REVOLUTIONS) / REVOLUTIONS
         return angle, np.maximum(np.cos(2 * math.pi * turns * angle), 0.0)
 
-    def _ports(self, pair: GearPair, operation: Operation) -> Ports:
+    def _ports(self, pair: GearPair, commanded: SpeedAndLoad) -> Ports:
         if self.element_diameter >= self.pitch_diameter / 2:
             raise self.refusal(
                 'element_diameter',

@@ -9,7 +9,7 @@ import numpy as np
 
 from gear_dynamics.model.faults.fault import (
     Fault,
-    Operation,
+    SpeedAndLoad,
     severity_parameter,
     tooth_parameter,
     wheel_parameter,
@@ -52,7 +52,7 @@ class ChippedTooth(Fault):
         """Width of the chip along the face [m]."""
         return self.severity * self.widest
 
-    def _ports(self, pair: GearPair, operation: Operation) -> Ports:
+    def _ports(self, pair: GearPair, commanded: SpeedAndLoad) -> Ports:
         if self.width > pair.face_width:
             raise self.refusal('width', self.width, f'at most the face width {pair.face_width:g} m')
         path = PathOfContact.of(pair)

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from gear_dynamics.model.faults.excess import Part, refuse_excess
-from gear_dynamics.model.faults.fault import Fault, Operation
+from gear_dynamics.model.faults.fault import Fault, SpeedAndLoad
 from gear_dynamics.model.faults.support_wear import SupportWear
 from gear_dynamics.model.friction import friction_ports
 from gear_dynamics.model.gear_pair import GearPair
@@ -36,7 +36,7 @@ def checked_faults(faults: Any) -> tuple[Fault, ...]:
 
 
 def fault_ports(
-    pair: GearPair, faults: Iterable[Fault], operation: Operation | None = None
+    pair: GearPair, faults: Iterable[Fault], commanded: SpeedAndLoad | None = None
 ) -> Ports:
     """Return what faults do to a gear pair together.
 
@@ -44,7 +44,7 @@ def fault_ports(
     ----------
     pair : GearPair
     faults : iterable of Fault
-    operation : Operation, optional
+    commanded : SpeedAndLoad, optional
         The commanded operating point, for the faults that depend on it.
 
     Raises
@@ -56,7 +56,7 @@ def fault_ports(
     support = {'pinion': 1.0, 'gear': 1.0}
     parts = []
     for fault in faults:
-        ports = _ports_of(fault, pair, operation or Operation())
+        ports = _ports_of(fault, pair, commanded or SpeedAndLoad())
         if isinstance(fault, SupportWear):
             # A support that is worn twice loses a share of what is left.
             ports = ports.scaled(support[fault.wheel])
@@ -69,22 +69,22 @@ def fault_ports(
 
 
 def machine_ports(
-    pair: GearPair, faults: Iterable[Fault] = (), operation: Operation | None = None
+    pair: GearPair, faults: Iterable[Fault] = (), commanded: SpeedAndLoad | None = None
 ) -> Ports:
     """Return all departures of a machine from the nominal pair: its own, friction and faults.
 
     Parameters and errors are those of `fault_ports`; friction follows the operating point too. The
     faults of a `FaultyPair` come first.
     """
-    operation = operation or Operation()
-    own = pair.healthy_ports + friction_ports(pair, *operation)
+    commanded = commanded or SpeedAndLoad()
+    own = pair.healthy_ports + friction_ports(pair, *commanded)
     given = (*getattr(pair, 'faults', ()), *faults)
-    return own + fault_ports(pair, given, operation)
+    return own + fault_ports(pair, given, commanded)
 
 
 @functools.lru_cache(maxsize=256)
-def _ports_of(fault: Fault, pair: GearPair, operation: Operation) -> Ports:
-    return fault.ports(pair, operation)
+def _ports_of(fault: Fault, pair: GearPair, commanded: SpeedAndLoad) -> Ports:
+    return fault.ports(pair, commanded)
 
 
 def fault_of(values: Mapping[str, Any]) -> Fault:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 
-from gear_dynamics.model.faults.fault import Operation, WheelFault, rounded_down
+from gear_dynamics.model.faults.fault import SpeedAndLoad, WheelFault, rounded_down
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.ports import Harmonic, Ports
 from gear_dynamics.parameters.parameter import parameter
@@ -37,7 +37,7 @@ class Eccentricity(WheelFault):
         """Distance of the wheel's centre from the axis [m]."""
         return self.severity * self.largest
 
-    def _ports(self, pair: GearPair, operation: Operation) -> Ports:
+    def _ports(self, pair: GearPair, commanded: SpeedAndLoad) -> Ports:
         angle, phase = math.radians(pair.pressure_angle_deg), math.radians(self.phase_deg)
         radial, most = self.offset * math.sin(angle), pair.half_backlash / math.sin(angle)
         if radial >= pair.half_backlash:

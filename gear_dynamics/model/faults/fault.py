@@ -18,8 +18,8 @@ ALL_TEETH = -1
 """Stands for None where no empty value is known, as in ROS."""
 
 
-class Operation(NamedTuple):
-    """An operating point: pinion speed [rad/s] and load torque on the gear [N m]."""
+class SpeedAndLoad(NamedTuple):
+    """What a machine is commanded: pinion speed [rad/s] and load torque on the gear [N m]."""
 
     speed: float = 104.72
     load_torque: float = 150.0
@@ -83,13 +83,13 @@ class Fault(ParameterSet, abc.ABC):
         """Return the fault's name in parameters and labels, such as 'root_crack'."""
         return re.sub(r'(?<!^)(?=[A-Z])', '_', cls.__name__).lower()
 
-    def ports(self, pair: GearPair, operation: Operation | None = None) -> Ports:
+    def ports(self, pair: GearPair, commanded: SpeedAndLoad | None = None) -> Ports:
         """Return what the fault does to a gear pair; nothing at severity 0.
 
         Parameters
         ----------
         pair : GearPair
-        operation : Operation, optional
+        commanded : SpeedAndLoad, optional
             The operating point, for the few faults that depend on it.
 
         Raises
@@ -103,10 +103,10 @@ class Fault(ParameterSet, abc.ABC):
             raise self.refusal('tooth', tooth, f'from 0 to {teeth - 1} on this {wheel}')
         if self.severity == 0:
             return HEALTHY
-        return self._ports(pair, operation or Operation())
+        return self._ports(pair, commanded or SpeedAndLoad())
 
     @abc.abstractmethod
-    def _ports(self, pair: GearPair, operation: Operation) -> Ports:
+    def _ports(self, pair: GearPair, commanded: SpeedAndLoad) -> Ports:
         """Return what the fault does at a severity above 0."""
 
     def orders(self, pair: GearPair) -> tuple[float, ...]:

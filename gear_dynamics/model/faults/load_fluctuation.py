@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
-from gear_dynamics.model.faults.fault import Fault, Operation, severity_parameter
+from gear_dynamics.model.faults.fault import Fault, SpeedAndLoad, severity_parameter
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.ports import Harmonic, Ports, Table
 from gear_dynamics.parameters.parameter import parameter
@@ -52,7 +52,7 @@ class LoadFluctuation(Fault):
         """Amplitude of the sine, or RMS of the random torque [N m]."""
         return self.severity * self.largest
 
-    def _ports(self, pair: GearPair, operation: Operation) -> Ports:
+    def _ports(self, pair: GearPair, commanded: SpeedAndLoad) -> Ports:
         signal = f'{self.side}_torque'
         if self.shape == 'sine':
             return Ports([Harmonic(signal, self.per, self.order, self.torque)])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
-from gear_dynamics.model.faults.fault import Fault, Operation, severity_parameter
+from gear_dynamics.model.faults.fault import Fault, SpeedAndLoad, severity_parameter
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.ports import Offset, Ports
 from gear_dynamics.parameters.parameter import parameter
@@ -28,7 +28,7 @@ class LubricationLoss(Fault):
         """Friction coefficient that is added."""
         return self.severity * self.largest
 
-    def _ports(self, pair: GearPair, operation: Operation) -> Ports:
+    def _ports(self, pair: GearPair, commanded: SpeedAndLoad) -> Ports:
         return Ports([Offset('friction', self.added_friction)])
 
     def orders(self, pair: GearPair) -> tuple[float, ...]:

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from gear_dynamics.model.faults.fault import Fault, Operation, limits, severity_parameter
+from gear_dynamics.model.faults.fault import Fault, SpeedAndLoad, limits, severity_parameter
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.ports import Ports, ToothDeviation
 from gear_dynamics.parameters.parameter import parameter
@@ -42,21 +42,21 @@ class Misalignment(Fault):
         """Gap at the far end of the unloaded face [m]."""
         return self.severity * self.widest
 
-    def share(self, pair: GearPair, operation: Operation) -> float:
+    def share(self, pair: GearPair, commanded: SpeedAndLoad) -> float:
         """Return the share of the face that touches at the mean load."""
-        yields = self._approach(pair, operation)
+        yields = self._approach(pair, commanded)
         return min(yields / self.gap, 1.0) if self.gap else 1.0
 
-    def _approach(self, pair: GearPair, operation: Operation) -> float:
+    def _approach(self, pair: GearPair, commanded: SpeedAndLoad) -> float:
         d = pair.derived
-        force = max(abs(operation.load_torque), 1e-3) / d.gear_base_radius / d.contact_ratio
+        force = max(abs(commanded.load_torque), 1e-3) / d.gear_base_radius / d.contact_ratio
         stiff = d.single_stiffness
         part = math.sqrt(2 * force * self.gap / stiff)
         return part if part < self.gap else force / stiff + self.gap / 2
 
-    def _ports(self, pair: GearPair, operation: Operation) -> Ports:
-        share = self.share(pair, operation)
-        intercept = self._approach(pair, operation) / 2 if share < 1 else self.gap / 2
+    def _ports(self, pair: GearPair, commanded: SpeedAndLoad) -> Ports:
+        share = self.share(pair, commanded)
+        intercept = self._approach(pair, commanded) / 2 if share < 1 else self.gap / 2
         error = np.array([[intercept]])
         return Ports([ToothDeviation(None, None, limits(pair), error=error, loss=1 - share)])
 

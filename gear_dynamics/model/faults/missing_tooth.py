@@ -6,7 +6,7 @@ import dataclasses
 
 from gear_dynamics.model.faults.fault import (
     Fault,
-    Operation,
+    SpeedAndLoad,
     limits,
     severity_parameter,
     tooth_parameter,
@@ -37,5 +37,5 @@ class MissingTooth(Fault):
         """Share of the face that has broken off."""
         return self.severity
 
-    def _ports(self, pair: GearPair, operation: Operation) -> Ports:
+    def _ports(self, pair: GearPair, commanded: SpeedAndLoad) -> Ports:
         return Ports([ToothDeviation(self.wheel, self.tooth, limits(pair), loss=self.share)])

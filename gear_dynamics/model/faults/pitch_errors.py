@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from gear_dynamics.model.faults.fault import Operation, WheelFault, limits
+from gear_dynamics.model.faults.fault import SpeedAndLoad, WheelFault, limits
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.ports import Ports, ToothDeviation
 from gear_dynamics.parameters.parameter import parameter
@@ -49,7 +49,7 @@ class PitchErrors(WheelFault):
         added = np.cumsum(single)
         return added - added.mean()
 
-    def _ports(self, pair: GearPair, operation: Operation) -> Ports:
+    def _ports(self, pair: GearPair, commanded: SpeedAndLoad) -> Ports:
         edges = limits(pair)
         return Ports(
             ToothDeviation(self.wheel, tooth, edges, error=np.array([[error]]))

@@ -9,7 +9,7 @@ import numpy as np
 
 from gear_dynamics.model.faults.fault import (
     Fault,
-    Operation,
+    SpeedAndLoad,
     rounded_down,
     severity_parameter,
     tooth_parameter,
@@ -61,7 +61,7 @@ class RootCrack(Fault):
         """Depth of the crack [m]."""
         return self.severity * self.deepest
 
-    def _ports(self, pair: GearPair, operation: Operation) -> Ports:
+    def _ports(self, pair: GearPair, commanded: SpeedAndLoad) -> Ports:
         path, law = PathOfContact.of(pair), stiffness(pair)
         tooth = path.pinion if self.wheel == 'pinion' else path.gear
         roll = path.pinion_roll if self.wheel == 'pinion' else path.gear_roll

@@ -9,7 +9,7 @@ import numpy as np
 
 from gear_dynamics.model.faults.fault import (
     Fault,
-    Operation,
+    SpeedAndLoad,
     rounded_down,
     severity_parameter,
     tooth_parameter,
@@ -56,7 +56,7 @@ class Spall(Fault):
         """Depth of the spall [m]."""
         return self.severity * self.deepest
 
-    def _ports(self, pair: GearPair, operation: Operation) -> Ports:
+    def _ports(self, pair: GearPair, commanded: SpeedAndLoad) -> Ports:
         whole = pair.derived.path_length
         if self.length > whole:
             raise self.refusal(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
-from gear_dynamics.model.faults.fault import Operation, WheelFault
+from gear_dynamics.model.faults.fault import SpeedAndLoad, WheelFault
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.ports import Offset, Ports
 from gear_dynamics.parameters.parameter import parameter
@@ -27,7 +27,7 @@ class SupportWear(WheelFault):
         """Share of the support's stiffness that is lost."""
         return self.severity * self.most
 
-    def _ports(self, pair: GearPair, operation: Operation) -> Ports:
+    def _ports(self, pair: GearPair, commanded: SpeedAndLoad) -> Ports:
         stiff = pair.pinion_support_stiffness
         if self.wheel == 'gear':
             stiff = pair.gear_support_stiffness

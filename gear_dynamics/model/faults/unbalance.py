@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 
-from gear_dynamics.model.faults.fault import Operation, WheelFault
+from gear_dynamics.model.faults.fault import SpeedAndLoad, WheelFault
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.ports import Harmonic, Ports
 from gear_dynamics.parameters.parameter import parameter
@@ -30,7 +30,7 @@ class Unbalance(WheelFault):
         """Mass times its distance from the axis [kg m]."""
         return self.severity * self.largest
 
-    def _ports(self, pair: GearPair, operation: Operation) -> Ports:
+    def _ports(self, pair: GearPair, commanded: SpeedAndLoad) -> Ports:
         phase, turns = math.radians(self.phase_deg), self.MIRROR[self.wheel]
         # The force is -U times the second derivative of (cos, sin).
         return Ports(

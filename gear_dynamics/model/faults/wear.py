@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 
-from gear_dynamics.model.faults.fault import Operation, WheelFault
+from gear_dynamics.model.faults.fault import SpeedAndLoad, WheelFault
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.ports import Offset, Ports, ToothDeviation
 from gear_dynamics.parameters.parameter import parameter
@@ -32,7 +32,7 @@ class Wear(WheelFault):
         """Greatest depth [m]."""
         return self.severity * self.deepest
 
-    def _ports(self, pair: GearPair, operation: Operation) -> Ports:
+    def _ports(self, pair: GearPair, commanded: SpeedAndLoad) -> Ports:
         d = pair.derived
         longest = max(d.approach_length, d.recess_length)
         begin = self.depth * d.approach_length / longest

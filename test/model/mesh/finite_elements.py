@@ -20,7 +20,7 @@ from matplotlib.path import Path
 from scipy.spatial import Delaunay, cKDTree
 from skfem.helpers import ddot, eye, sym_grad, trace
 
-from gear_dynamics.model.faults import Operation
+from gear_dynamics.model.faults import SpeedAndLoad
 from gear_dynamics.model.faults.root_crack import RootCrack
 from gear_dynamics.model.gear_pair import GearPair
 from gear_dynamics.model.mesh.path import PathOfContact
@@ -207,7 +207,7 @@ def pair_at_pitch_point(pair, crack=0.0):
 def formula_with_crack(pair, depth):
     """Return the single stiffness at the pitch point with a crack by the package."""
     crack = RootCrack('pinion', tooth=0, severity=1.0, deepest=depth)
-    (term,) = crack.ports(pair, Operation())
+    (term,) = crack.ports(pair, SpeedAndLoad())
     at = pair.derived.approach_length
     piece = int(np.searchsorted(term.edges, at)) - 1
     x = (at - term.edges[piece]) / (term.edges[piece + 1] - term.edges[piece])
