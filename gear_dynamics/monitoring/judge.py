@@ -134,6 +134,10 @@ class Judge:
 
     def _notes(self, row: Row, values: dict[str, float], judgement: Judgement) -> dict[str, str]:
         notes = dict(row.notes)
+        for name in values:
+            normal = self._normal(row.subject, name, judgement)
+            for word, bound in self.thresholds.bounds(row.subject, name, normal).items():
+                notes[f'{name}_{word}'] = f'{bound:.6g}'
         if any(map(math.isnan, values.values())):
             notes['not_a_number'] = row.reason or NO_VALUE
         if judgement.reason:

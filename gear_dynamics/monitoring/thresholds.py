@@ -203,17 +203,37 @@ class Thresholds:
         """How limits become levels."""
         return self._rule
 
+    def bounds(self, subject: str, name: str, normal: Normal | None = None) -> dict[str, float]:
+        """Return the limits in force: `warn`, `error`, `below_warn`, `below_error` where finite.
+
+        Parameters
+        ----------
+        subject, name : str
+        normal : Normal, optional
+            What was learned of the indicator in the present operating bin.
+        """
+        limit = self.limit(subject, name)
+        if limit is None or (limit.relative and normal is None):
+            return {}
+        found = {}
+        for level in (Level.WARN, Level.ERROR):
+            word = level.name.lower()
+            found[f'below_{word}'], found[word] = self._between(limit, level, normal)
+        return {word: bound for word, bound in found.items() if math.isfinite(bound)}
+
+    def _between(self, limit: Limit, level: Level, normal: Normal | None) -> tuple[float, float]:
+        """Return between which values an indicator is below a level."""
+        word, chance = level.name.lower(), self._rule.false_alarms
+        upper = _bound(getattr(limit, word), limit, normal, chance, 1)
+        times = getattr(limit, f'{word}_times')
+        if times and normal is not None:
+            upper = max(upper, times * normal.mean)
+        return _bound(getattr(limit, f'below_{word}'), limit, normal, chance, -1), upper
+
     def _momentary(self, limit: Limit, held: Level, value: float, normal: Normal | None) -> Level:
         level = Level.OK
         for candidate in (Level.WARN, Level.ERROR):
-            word = candidate.name.lower()
-            upper = _bound(getattr(limit, word), limit, normal, self._rule.false_alarms, 1)
-            times = getattr(limit, f'{word}_times')
-            if times and normal is not None:
-                upper = max(upper, times * normal.mean)
-            lower = _bound(
-                getattr(limit, f'below_{word}'), limit, normal, self._rule.false_alarms, -1
-            )
+            lower, upper = self._between(limit, candidate, normal)
             inside = self._rule.hysteresis if held >= candidate else 0.0
             if value >= upper - inside * abs(upper) or value <= lower + inside * abs(lower):
                 level = candidate

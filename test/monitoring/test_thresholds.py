@@ -118,3 +118,23 @@ def test_a_bad_file_is_one_clear_line(tmp_path, text, words):
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(ThresholdError, match='none'):
         Thresholds.from_yaml(tmp_path / 'none.yaml')
+
+
+@pytest.mark.parametrize('mean', [None, 1.0, 4.0])
+def test_the_bounds_told_are_where_the_level_changes(mean):
+    limit = Limit(warn=10, error=20, below_warn=-1, warn_times=3, error_times=10)
+    normal = None if mean is None else Normal(mean, 0.0, 5)
+    bounds = Thresholds({'*/rms': limit}).bounds('a', 'rms', normal)
+    assert set(bounds) == {'warn', 'error', 'below_warn'}
+    for word, level in (('warn', 1), ('error', 2)):
+        at = [bounds[word] - 1e-6, bounds[word]]
+        assert [levels(Thresholds({'*/rms': limit}), [x], normal)[0] for x in at] == [
+            level - 1,
+            level,
+        ]
+    assert levels(Thresholds({'*/rms': limit}), [-1.0], normal) == [1]
+
+
+def test_there_are_no_bounds_without_a_limit_or_before_it_is_learned():
+    thresholds = Thresholds({'*/rms': Limit(2, 4, relative=True)})
+    assert thresholds.bounds('a', 'peak') == thresholds.bounds('a', 'rms') == {}

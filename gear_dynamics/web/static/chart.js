@@ -4,7 +4,7 @@ import {themeColour} from './colours.js';
 import {short} from './units.js';
 
 export class Chart {
-  /** `series`: {label, colour, scale}; `axes`: {scale, label, side}; `log`: a logarithmic y. */
+  /** `series`: {label, colour, scale, dash}; `axes`: {scale, label, side}; `log`: a logarithmic y. */
   constructor(body, {xLabel, series, axes, log = false, marks = () => []}) {
     this.body = body;
     const ink = themeColour('faint');
@@ -28,8 +28,8 @@ export class Chart {
           grid: index ? {show: false} : {...grid, filter}, ticks: {...grid, filter},
         })),
       ],
-      series: [{}, ...series.map(({label, colour, scale}) => ({
-        label, stroke: colour, scale, width: 1.2, points: {show: false},
+      series: [{}, ...series.map(({label, colour, scale, dash}) => ({
+        label, stroke: colour, scale, dash, width: 1.2, points: {show: false},
       }))],
       hooks: {draw: [(chart) => this.mark(chart, marks())]},
     }, [[], ...series.map(() => [])], body);
