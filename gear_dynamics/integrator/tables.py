@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -186,6 +187,12 @@ class Fade(NamedTuple):
             stays = term in coming
             if stays:
                 coming.remove(term)
+            elif isinstance(term, ToothDeviation) and (other := _same_loss(term, coming)):
+                # Losses multiply: one that fades out while the other comes in would leave more
+                # than either.
+                coming.remove(other)
+                strength *= term.loss / other.loss
+                term, stays = other, True
             by_change.setdefault((strength, 1.0 if stays else 0.0), []).append(term)
         by_change.setdefault((0.0, 1.0), []).extend(coming)
         groups = tuple(
@@ -194,6 +201,16 @@ class Fade(NamedTuple):
             if terms or change == (1.0, 1.0)
         )
         return Fade(groups, time, duration if len(groups) > 1 else 0.0)
+
+
+def _same_loss(term: ToothDeviation, coming: Sequence[Term]) -> ToothDeviation | None:
+    """Return the term that differs from another one by the size of its loss alone."""
+    for other in coming:
+        if not isinstance(other, ToothDeviation) or not term.loss or not other.loss:
+            continue
+        if dataclasses.replace(other, loss=term.loss) == term:
+            return other
+    return None
 
 
 def folded_offsets(groups: Sequence[Group]) -> list[Term]:

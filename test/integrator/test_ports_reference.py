@@ -1,5 +1,6 @@
 """The ports against SciPy's DOP853 on equations written anew, with events of its own."""
 
+import dataclasses
 import itertools
 
 import numpy as np
@@ -107,6 +108,19 @@ def test_ports_that_come_in_and_go_out_equal_reference():
     healthy = simulator(DEFAULT, 2500 * RPM, 150.0, 1e-12)
     healthy.advance(20200)
     assert relative_errors(columns(model.advance(100)), columns(healthy.advance(100))).max() < 1e-3
+
+
+def test_loss_that_changes_goes_from_the_old_to_the_new_linearly():
+    small, great = (Ports([dataclasses.replace(BROKEN, loss=loss)]) for loss in (0.3, 0.6))
+    model = simulator(DEFAULT, 2500 * RPM, 150.0, 1e-12, ports=small)
+    got = [model.advance(40)]
+    model.change(ports=great, ramp=60 / RATE)
+    got.append(model.advance(COUNT - 40))
+    strength = Ramp([0.0, 40 / RATE, 100 / RATE, 1.0], [0.5, 0.5, 1.0, 1.0])
+    reference = Reference(DEFAULT, 2500 * RPM, 150.0, great, strength=strength)
+    rows, away = reference.run(np.arange(COUNT) / RATE)
+    errors = relative_errors(columns(np.concatenate(got))[away], rows[away])
+    assert errors.max() < ACCURACY
 
 
 def test_ports_follow_a_speed_ramp_as_the_reference_does():

@@ -58,7 +58,12 @@ class Misalignment(Fault):
         share = self.share(pair, commanded)
         intercept = self._approach(pair, commanded) / 2 if share < 1 else self.gap / 2
         error = np.array([[intercept]])
-        return Ports([ToothDeviation(None, None, limits(pair), error=error, loss=1 - share)])
+        return Ports(
+            [
+                ToothDeviation(None, None, limits(pair), loss=1 - share),
+                ToothDeviation(None, None, limits(pair), error=error),
+            ]
+        )
 
     def orders(self, pair: GearPair) -> tuple[float, ...]:
         """Return the order of the mesh: all teeth are alike."""
