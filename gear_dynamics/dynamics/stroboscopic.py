@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from fractions import Fraction
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -21,6 +23,9 @@ FREE = [0, 1, 2, 3, 4, 6, 7, 8, 9, 10]
 
 SAMPLES = 512
 """Samples of delta in a cycle, from which the contact states of an orbit are told."""
+
+LONGEST = 10_000
+"""Mesh cycles in the longest cycle of a map."""
 
 IN_DRIVE, IN_GAP, IN_BACK = 'D', 'G', 'B'
 """Contact on the drive flank, none, on the back flank."""
@@ -76,6 +81,9 @@ class OrbitContact(NamedTuple):
 class GearMap:
     """The stroboscopic map of the reduced form at mesh phase 0.
 
+    Its cycle is a mesh cycle; with faults of a tooth or of a shaft, as many mesh cycles as it takes
+    until the pair is the same again. It begins as a run does, with tooth 0 of both wheels.
+
     A state is x1, y1, x2, y2, psi over b and their velocities over b wn; on rigid supports only psi
     and its velocity.
 
@@ -89,10 +97,15 @@ class GearMap:
     rtol, atol : float
         Tolerances of the integrator.
 
+    Attributes
+    ----------
+    cycles : int
+        Mesh cycles in a cycle of the map.
+
     Raises
     ------
     ParameterError
-        If the pair has a fault that is not the same in every mesh cycle.
+        If the pair has a fault that does not repeat within LONGEST mesh cycles.
     """
 
     def __init__(
@@ -105,7 +118,7 @@ class GearMap:
         atol: float = 1e-15,
     ) -> None:
         self.pair, self.speed, self.load_torque = pair, speed, load_torque
-        _refuse_longer_period(pair, SpeedAndLoad(speed, load_torque))
+        self.cycles = _period(pair, SpeedAndLoad(speed, load_torque))
         self._rtol, self._atol = rtol, atol
         self._free = free_coordinates(pair)
         scale = pair.half_backlash * np.repeat([1.0, pair.derived.wn], VARIED // 2)
@@ -118,8 +131,9 @@ class GearMap:
 
     @property
     def cycle(self) -> float:
-        """Length of a mesh cycle in tau = wn t."""
-        return float(2 * np.pi * self.pair.derived.wn / (self.pair.pinion_teeth * self.speed))
+        """Length of a cycle of the map in tau = wn t."""
+        mesh_cycle = 2 * np.pi * self.pair.derived.wn / (self.pair.pinion_teeth * self.speed)
+        return float(self.cycles * mesh_cycle)
 
     def scaled(self, states: np.ndarray) -> np.ndarray:
         """Return the states of `run_cycles`, (n, STATES), as states of this map."""
@@ -132,7 +146,7 @@ class GearMap:
         return full
 
     def iterate(self, states: np.ndarray) -> np.ndarray:
-        """Return the states, (n, dimension), one mesh cycle later."""
+        """Return the states, (n, dimension), one cycle later."""
         return self.scaled(self._run(states).states)
 
     def tangent(self, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -156,7 +170,8 @@ class GearMap:
         samples = self._run(points, samples_per_cycle=SAMPLES).samples.ravel()
         b = self.pair.half_backlash
         delta = samples['delta'] / b
-        slope = samples['delta_dot'] / b * self.cycle / self.pair.derived.wn / SAMPLES
+        step = self.cycle / self.cycles / self.pair.derived.wn / SAMPLES
+        slope = samples['delta_dot'] / b * step
         extrema = _extrema(delta, slope)
         return OrbitContact(
             _sequence(delta, extrema),
@@ -172,7 +187,7 @@ class GearMap:
             [self.pair] * n,
             self.speed,
             self.load_torque,
-            1,
+            self.cycles,
             states=self.unscaled(states),
             rtol=self._rtol,
             atol=self._atol,
@@ -180,19 +195,36 @@ class GearMap:
         )
 
 
-def _refuse_longer_period(pair: GearPair, commanded: SpeedAndLoad) -> None:
-    """Refuse faults that a map from one mesh cycle to the next does not repeat."""
+def _period(pair: GearPair, commanded: SpeedAndLoad) -> int:
+    """Return after how many mesh cycles a pair with its faults is the same again."""
+    period = 1
     for fault in getattr(pair, 'faults', ()):
-        if not all(_repeats(term) for term in fault.ports(pair, commanded)):
-            raise ParameterError(
-                f'{fault.kind()} severity is {fault.severity:g}: the stroboscopic map takes only '
-                'faults that are the same in every mesh cycle; it must be 0'
-            )
+        for term in fault.ports(pair, commanded):
+            cycles = _term_period(term, pair)
+            period = math.lcm(period, cycles) if cycles else 0
+            if not 0 < period <= LONGEST:
+                raise ParameterError(
+                    f'{fault.kind()} severity is {fault.severity:g}: it must be 0, since the pair '
+                    f'would not be the same again within {LONGEST} mesh cycles'
+                )
+    return period
 
 
-def _repeats(term: Term) -> bool:
-    """Return whether a term of a fault is the same in every mesh cycle."""
-    return getattr(term, 'tooth', None) is None and not isinstance(term, (Harmonic, Table))
+def _term_period(term: Term, pair: GearPair) -> int:
+    """Return after how many mesh cycles a term of a fault is the same again; 0 for never."""
+    teeth = {'pinion': pair.pinion_teeth, 'gear': pair.gear_teeth, 'mesh': 1}
+    if isinstance(term, (Harmonic, Table)):
+        if term.argument not in teeth:
+            return 0
+        if isinstance(term, Harmonic):
+            per_turn = Fraction(term.order)
+        else:
+            per_turn = 1 / Fraction(float(term.knots[-1] - term.knots[0]))
+        per_cycle = per_turn.limit_denominator(LONGEST) / teeth[term.argument]
+        near = math.isclose(per_cycle, per_turn / teeth[term.argument], rel_tol=1e-12)
+        return per_cycle.denominator if near else 0
+    tooth, wheel = (getattr(term, name, None) for name in ('tooth', 'wheel'))
+    return 1 if tooth is None or wheel is None else teeth[wheel]
 
 
 def _extrema(delta: np.ndarray, slope: np.ndarray) -> np.ndarray:

@@ -44,14 +44,63 @@ def test_map_of_a_faulty_pair_differs_where_its_tooth_is_in_contact():
     assert not same[2:4].any()
 
 
-@pytest.mark.parametrize('kind', gd.faults.KINDS)
-def test_map_over_one_mesh_cycle_has_only_faults_that_repeat_in_it(kind):
-    pair = gd.faults.faulty(gd.GearPair(), [gd.faults.KINDS[kind](severity=0.2)])
-    if kind in ('wear', 'misalignment', 'lubrication_loss', 'support_wear'):
-        assert dynamics.GearMap(pair, 104.72, 150.0).pair is pair
-        return
-    with pytest.raises(gd.ParameterError, match=f'{kind} severity is 0.2: .* must be 0'):
-        dynamics.GearMap(pair, 104.72, 150.0)
+PINION, GEAR = 34, 59
+"""Mesh cycles in a revolution of the default pair's wheels."""
+
+
+@pytest.mark.parametrize(
+    ('given', 'cycles'),
+    [
+        ([gd.faults.Wear('gear', severity=0.2)], 1),
+        ([gd.faults.SupportWear('gear', severity=0.2)], 1),
+        ([gd.faults.RootCrack('pinion', tooth=5, severity=0.3)], PINION),
+        ([gd.faults.Eccentricity('gear', severity=0.2)], GEAR),
+        ([gd.faults.LoadFluctuation(severity=0.2, order=2.0)], GEAR),
+        (
+            [
+                gd.faults.Unbalance('pinion', severity=0),
+                gd.faults.Spall('gear', tooth=1, severity=0.1),
+            ],
+            GEAR,
+        ),
+        (
+            [gd.faults.Unbalance('pinion', severity=0.1), gd.faults.Spall('gear', severity=0.1)],
+            PINION * GEAR,
+        ),
+    ],
+    ids=lambda given: str(given) if isinstance(given, int) else '',
+)
+def test_map_of_a_faulty_pair_goes_over_the_cycles_in_which_its_faults_repeat(given, cycles):
+    assert dynamics.GearMap(gd.faults.faulty(gd.GearPair(), given), 104.72, 150.0).cycles == cycles
+
+
+def test_map_refuses_a_fault_that_does_not_repeat():
+    fault = gd.faults.LoadFluctuation(severity=0.2, shape='random')
+    with pytest.raises(gd.ParameterError, match=r'load_fluctuation severity is 0.2: it must be 0'):
+        dynamics.GearMap(gd.faults.faulty(gd.GearPair(), [fault]), 104.72, 150.0)
+
+
+def test_periodic_orbit_of_a_cracked_pair_is_where_a_long_run_ends_up():
+    """The orbit against a run in one go, its multipliers against finite differences."""
+    crack = gd.faults.RootCrack('pinion', tooth=5, severity=0.5)
+    healthy = gd.GearPair(mesh_damping_ratio=0.1, support_damping_ratio=0.1)
+    pair = gd.faults.faulty(healthy, [crack])
+    system = dynamics.GearMap(pair, 300.0, 150.0)
+    start = system.scaled(dynamics.static_state(pair, 300.0, 150.0))
+    orbit = dynamics.periodic_orbit(system, 1, start)
+
+    run = dynamics.run_cycles([pair], 300.0, 150.0, 20 * PINION, section_phase=0.0)
+    section = system.section(orbit.points)[0]
+    b, wn = pair.half_backlash, pair.derived.wn
+    ended = run.sections[0, -PINION, :2] / [b, b * wn]
+    np.testing.assert_allclose(section, ended, rtol=0, atol=1e-8)
+
+    point, jacobian = orbit.points[0], system.tangent(orbit.points)[1][0]
+    unit = np.eye(system.dimension)
+    ends = system.iterate(np.concatenate([point + 1e-5 * unit, point - 1e-5 * unit]))
+    differences = (ends[: system.dimension] - ends[system.dimension :]).T / 2e-5
+    np.testing.assert_allclose(jacobian, differences, rtol=0, atol=1e-8)
+    assert 0 < abs(orbit.multipliers).max() < 1
 
 
 def test_study_takes_faults_from_a_file_and_names_them(tmp_path, capsys):
