@@ -60,14 +60,15 @@ whether deviations act on the pair in this step, flank errors among them."""
 STEP = np.dtype(
     _fields(
         'begin length edge travel smallest',
-        'ending degree stiffness_degree pushed rated unsettled tiny_steps ported jumpy',
+        'ending degree stiffness_degree pushed push_degree rated unsettled tiny_steps ported jumpy',
     )
 )
 """The present step: begin [s since the origin of time], length [s], the mesh phase that may end it,
 how fast the arms grow [m/s], the shortest step so far; why it ends, the degree of its segment, that
-of stiffness and damping in it, whether signals push the bodies, whether the rates of its samples
-are there. unsettled: contact states may have jumped where it begins. ported: whether there are
-ports; jumpy: whether flank errors, transmission error or backlash may jump at an event."""
+of stiffness and damping in it, whether signals push the bodies and the degree of that, whether the
+rates of its samples are there. unsettled: contact states may have jumped where it begins. ported:
+whether there are ports; jumpy: whether flank errors, transmission error or backlash may jump at an
+event."""
 
 SAMPLING = np.dtype(_fields('sample_rate section_phase', 'sample origin section_cycle'))
 """origin: the sample at the origin of time, which moves on once a second, so that times keep their

@@ -122,6 +122,7 @@ def fill_orders(motion, own, loads, pushed):
     _put(series, 0, (x1, y1, x2, y2, psi, q, delta, q_sum))
     _put(series, 1, (x1_next, y1_next, x2_next, y2_next, psi_next, q_next, delta_next, q_sum_next))
     m1, m2 = motion.constants.m1, motion.constants.m2
+    push_degree = motion.step.push_degree if pushed else -1
     supports_change = motion.step.pushed == SUPPORTS_CHANGE
     load, load_next = loads.torque, loads.torque_rate
     rubs = rubs_before = 0.0
@@ -137,7 +138,7 @@ def fill_orders(motion, own, loads, pushed):
             on_x1, on_x2, on_y1, on_y2 = r1 * friction, r2 * friction, f1 * force, f2 * force
             on_psi += f_psi * force + r_psi * friction + m_psi * moment
             on_q += r_q * friction + m_q * moment
-        if pushed:
+        if k <= push_degree:
             on_x1, on_y1 = on_x1 + push[k, X1], on_y1 + push[k, Y1]
             on_x2, on_y2 = on_x2 + push[k, X2], on_y2 + push[k, Y2]
             on_psi, on_q = on_psi + push[k, PSI], on_q + push[k, Q]

@@ -156,7 +156,14 @@ def fill_signals(motion, ports):
 
 
 @kernel
-def _add_to_column(push, column, terms, degree, factor):
+def _add_to_column(motion, column, terms, degree, factor):
+    """Add factor times a polynomial to an acceleration."""
+    push, step = motion.push, motion.step
+    # Rows beyond the degree have what an earlier step left there.
+    for k in range(step.push_degree + 1, degree + 1):
+        for c in range(COLUMNS):
+            push[k, c] = 0.0
+    step.push_degree = max(step.push_degree, degree)
     for k in range(degree + 1):
         push[k, column] += factor * terms[k]
 
@@ -167,7 +174,7 @@ def _fill_push(motion):
 
     Return whether there are any, and SUPPORTS_CHANGE if supports change.
     """
-    p, degrees, signals, push = motion.constants, motion.degrees, motion.signals, motion.push
+    p, degrees, signals = motion.constants, motion.degrees, motion.signals
     pushed = False
     for row in range(REST, LOAD_SIGNAL + 1):
         pushed = pushed or degrees[row] >= 0
@@ -176,7 +183,7 @@ def _fill_push(motion):
         supported = supported or degrees[row] >= 0
     if not pushed and not supported:
         return 0
-    push[:] = 0.0
+    motion.step.push_degree = -1
     if supported:
         copy_rows(signals, SUPPORT_K, motion.supports)
     for column in range(SUPPORTED):
@@ -185,13 +192,13 @@ def _fill_push(motion):
         if degrees[REST + column] >= 0:
             _push_by_support(motion, column, wheel, mass)
         row = PUSH + column
-        _add_to_column(push, column, signals[row], degrees[row], 1.0 / mass)
+        _add_to_column(motion, column, signals[row], degrees[row], 1.0 / mass)
     for side in range(2):
         row = DRIVE_SIGNAL if side == 0 else LOAD_SIGNAL
         for column in range(COLUMNS):
             if degrees[row] >= 0 and p.torques[side, column] != 0.0:
                 torque = p.torques[side, column]
-                _add_to_column(push, column, signals[row], degrees[row], torque)
+                _add_to_column(motion, column, signals[row], degrees[row], torque)
     return SUPPORTS_CHANGE if supported else 1
 
 
@@ -209,7 +216,7 @@ def _push_by_support(motion, column, wheel, mass):
     k_row, c_row = SUPPORT_K + wheel, SUPPORT_C + wheel
     last = add_product(total, last, rest, degree, signals[k_row], degrees[k_row], 1.0, ROWS)
     last = add_product(total, last, rate, rate_degree, signals[c_row], degrees[c_row], 1.0, ROWS)
-    _add_to_column(motion.push, column, total, last, 1.0 / mass)
+    _add_to_column(motion, column, total, last, 1.0 / mass)
 
 
 @kernel

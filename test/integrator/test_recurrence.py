@@ -59,7 +59,7 @@ def motion(rng, degree=0, varying=0, pushed=False, supports=0):
         segment[row + 2] = falling(rng, 1, degree, 1e3 * arm)[0, :width]
     record['step']['degree'], record['step']['stiffness_degree'] = degree, varying
     if pushed or supports:
-        record['step']['pushed'] = 1
+        record['step']['pushed'], record['step']['push_degree'] = 1, ROWS - 1
         record['push'][:, :COORDINATES] = falling(rng, COORDINATES, ROWS - 1, 100.0).T
     if supports:
         record['step']['pushed'] = SUPPORTS_CHANGE
