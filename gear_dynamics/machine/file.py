@@ -249,12 +249,15 @@ def _bearing(name: str, content: Any) -> Bearing:
             orders = bearing_orders(elements, element, pitch, angle)
         except ValueError as error:
             raise ValueError(f'{keys.where}: {error}') from None
-    return Bearing(name, shaft, **orders, channels=tuple(map(str, channels)), slip=slip)
+    return Bearing(name, shaft, orders, channels=tuple(map(str, channels)), slip=slip)
 
 
 def _orders(keys: Keys) -> dict[str, float]:
     inner = Keys(keys.get('orders'), f'{keys.where}: orders', DEFECTS)
-    return {each: number(inner.require(each), f'{inner.where}: {each}') for each in DEFECTS}
+    given = {name: number(value, f'{inner.where}: {name}') for name, value in inner.items()}
+    if not given:
+        raise ValueError(f'{inner.where} is empty: give one of {", ".join(DEFECTS)} at least')
+    return {each: given[each] for each in DEFECTS if each in given}
 
 
 def _recording_form(keys: Keys) -> RecordingForm:

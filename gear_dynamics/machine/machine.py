@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 from gear_dynamics.machine import mapping
 from gear_dynamics.machine.channel import Channel
 from gear_dynamics.machine.file import machine_arguments, read_machine
-from gear_dynamics.machine.parts import DEFECTS, Bearing, Mesh, Wheel
+from gear_dynamics.machine.parts import Bearing, Mesh, Wheel
 from gear_dynamics.machine.recording_form import RecordingForm, Severity
 from gear_dynamics.machine.shaft import DrivenBy, Shaft, TrackedSpeed
 
@@ -203,8 +203,8 @@ class Machine:
         self._find('shafts', self.shafts, bearing.shaft, owner)
         for channel in bearing.channels:
             self._find('channels', self.channels, channel, owner)
-        for defect in DEFECTS:
-            if not bearing.order(defect) > 0:
+        for defect, order in bearing.orders.items():
+            if not order > 0:
                 raise ValueError(f'{owner}: order {defect} must be above 0')
         if not 0 <= bearing.slip <= 0.1:
             raise ValueError(f'{owner}: slip is {bearing.slip:g}: it must be from 0 to 0.1')

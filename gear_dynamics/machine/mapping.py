@@ -6,7 +6,7 @@ import dataclasses
 from typing import Any
 
 from gear_dynamics.machine.channel import Channel
-from gear_dynamics.machine.parts import DEFECTS, Bearing, Mesh
+from gear_dynamics.machine.parts import Bearing, Mesh
 from gear_dynamics.machine.recording_form import RecordingForm, Severity
 from gear_dynamics.machine.shaft import (
     Angle,
@@ -49,9 +49,8 @@ def mesh_mapping(mesh: Mesh) -> Mapping:
 
 def bearing_mapping(bearing: Bearing) -> Mapping:
     """Return what stands under the name of a bearing; its geometry became orders."""
-    orders = {defect: bearing.order(defect) for defect in DEFECTS}
     channels = list(bearing.channels) or None
-    return {'shaft': bearing.shaft, 'orders': orders, 'slip': bearing.slip} | _given(
+    return {'shaft': bearing.shaft, 'orders': dict(bearing.orders), 'slip': bearing.slip} | _given(
         channels=channels
     )
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Mapping
 
 DEFECTS = ('outer', 'inner', 'element', 'cage')
 """The parts of a rolling bearing that can be damaged, as in the names of indicators."""
@@ -54,9 +55,9 @@ class Bearing:
     name : str
     shaft : str
         That its inner race turns with.
-    outer, inner, element, cage : float
-        Orders of a damage there, in events a revolution of the shaft. A damaged element meets
-        both races, so that its order is twice its spin.
+    orders : mapping of str to float
+        Of DEFECTS, those that are watched: events a revolution of the shaft by a damage there. A
+        damaged element meets both races, so that its order is twice its spin.
     channels : tuple of str
         The channels near it; all that measure vibration, if empty.
     slip : float
@@ -65,22 +66,15 @@ class Bearing:
 
     name: str
     shaft: str
-    outer: float
-    inner: float
-    element: float
-    cage: float
+    orders: Mapping[str, float]
     channels: tuple[str, ...] = ()
     slip: float = 0.02
 
-    def order(self, defect: str) -> float:
-        """Return the order of one of DEFECTS."""
-        orders = {
-            'outer': self.outer,
-            'inner': self.inner,
-            'element': self.element,
-            'cage': self.cage,
-        }
-        return orders[defect]
+    @property
+    def impacts(self) -> tuple[float, ...]:
+        """Orders of the races, or of what is watched where these are not."""
+        races = [self.orders[each] for each in ('outer', 'inner') if each in self.orders]
+        return tuple(races or self.orders.values())
 
 
 def bearing_orders(

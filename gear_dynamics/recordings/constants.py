@@ -42,8 +42,8 @@ def _defect(
     expected = {}
     for bearing in summary.machine.bearings:
         speed = summary.mean_speed(bearing.shaft)
-        if not math.isnan(speed):
-            expected[bearing.name] = bearing.order(defect) * speed
+        if defect in bearing.orders and not math.isnan(speed):
+            expected[bearing.name] = bearing.orders[defect] * speed
     # The spin of an element is half of the frequency at which it meets the races.
     factors = (1.0, 0.5) if defect == 'element' else (1.0,)
     near = [

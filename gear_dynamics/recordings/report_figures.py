@@ -132,8 +132,8 @@ def envelope_image(record: BearingRecord, channel: str, bearing: str, unit: str)
         order, amplitude = _thinned(spectrum.order[1:], spectrum.amplitude[1:])
         axes.plot(order, amplitude, lw=0.7, color='#22303c')
         for index, defect in enumerate(DEFECTS):
-            line = record.shown.lines[defect]
-            if math.isnan(line.level):
+            line = record.shown.lines.get(defect)
+            if line is None or math.isnan(line.level):
                 continue
             for harmonic in (1, 2, 3):
                 axes.axvline(

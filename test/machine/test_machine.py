@@ -11,6 +11,8 @@ from gear_dynamics.machine.rig import rig_machine
 from gear_dynamics.machine.shaft import DrivenBy, FixedSpeed, Shaft, TrackedSpeed
 from gear_dynamics.machine.source import Source
 
+ORDERS = {'outer': 3.585, 'inner': 5.415, 'element': 4.714, 'cage': 0.398}
+
 GEARBOX = Machine(
     name='two stages',
     channels=(Channel('housing', Source('y'), 'm/s2'),),
@@ -26,7 +28,7 @@ GEARBOX = Machine(
         Wheel('d', 'output', 70),
     ),
     meshes=(Mesh('first', 'a', 'b'), Mesh('second', 'c', 'd')),
-    bearings=(Bearing('A', 'middle', 3.585, 5.415, 4.714, 0.398, ('housing',)),),
+    bearings=(Bearing('A', 'middle', ORDERS, ('housing',)),),
 )
 
 
@@ -64,9 +66,9 @@ def test_a_wheel_knows_its_meshes():
         ({'shafts': (Shaft('input', DrivenBy('second')), *GEARBOX.shafts[1:])}, 'no wheel on it'),
         ({'shafts': (Shaft('input', TrackedSpeed(1.0, 2.0, 'x')), *GEARBOX.shafts[1:])}, "'x'"),
         ({'channels': (Channel('2nd'),)}, 'is no name'),
-        ({'bearings': (Bearing('A', 'middle', 0.0, 5.0, 4.0, 0.4),)}, 'order outer'),
+        ({'bearings': (Bearing('A', 'middle', {'outer': 0.0}),)}, 'order outer'),
         (
-            {'bearings': (Bearing('A', 'middle', 3.0, 5.0, 4.0, 0.4, ('x',)),)},
+            {'bearings': (Bearing('A', 'middle', ORDERS, ('x',)),)},
             "bearing A names 'x'",
         ),
     ],

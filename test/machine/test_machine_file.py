@@ -53,8 +53,8 @@ def test_every_part_of_a_file_is_read(read):
     assert machine.channel('strain').unit == 'm/s2'
     assert machine.shaft('input').speed == Tacho(Source('tacho'), 1.0, 2.5)
     assert machine.root('output')[1] == Fraction(34, 59)
-    assert machine.bearings[0].outer == pytest.approx(3.585, abs=1e-3)
-    assert machine.bearings[1].element == 4.714
+    assert machine.bearings[0].orders['outer'] == pytest.approx(3.585, abs=1e-3)
+    assert machine.bearings[1].orders['element'] == 4.714
     assert machine.severity.limits == pytest.approx((2.3e-3, 4.5e-3, 7.1e-3))
     assert [machine.severity.zone(v) for v in (1e-3, 4e-3, 5e-3, 8e-3)] == list('ABCD')
 
@@ -106,6 +106,14 @@ def test_forms_of_recordings(read):
     assert machine.severity.limits == pytest.approx((1.4e-3, 2.8e-3, 4.5e-3))
 
 
+ORDERS = '{outer: 3.585, inner: 5.415, element: 4.714, cage: 0.398}'
+
+
+def test_orders_of_a_bearing_may_be_some_of_them(read):
+    machine = read(TEXT.replace(ORDERS, '{inner: 5.415, outer: 3.585}'))
+    assert machine.bearings[1].orders == {'outer': 3.585, 'inner': 5.415}
+
+
 @pytest.mark.parametrize(
     ('old', 'new', 'words'),
     [
@@ -119,7 +127,9 @@ def test_forms_of_recordings(read):
         ('[pinion, gear]', '[pinion]', 'mesh first has 1 wheels'),
         ('column: 3', 'column: 0', 'counted from 1'),
         ('elements: 9', 'elements: 1', 'bearing A: elements is 1'),
-        ('outer: 3.585, ', '', 'bearing B: orders has no outer'),
+        ('outer: 3.585', 'outer: 0', 'bearing B: orders: outer is 0'),
+        ('outer: 3.585', 'auter: 3.585', "orders has no key 'auter': did you mean 'outer'"),
+        (ORDERS, '{}', 'bearing B: orders is empty: give one of outer, inner, element, cage'),
         ('driven_by: first', 'driven_by: third', "names 'third'"),
         ('{driven_by: first}', '{driven_by: first, speed_rpm: 3}', 'one of them must go'),
         ('[2.3, 4.5, 7.1]', '[2.3, 1.5, 7.1]', 'must rise'),

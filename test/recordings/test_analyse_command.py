@@ -110,6 +110,15 @@ def test_a_healthy_bearing_has_no_fault(analyse, capsys):
     assert '!' not in said.replace('! channel', '')  # noise this loud is in zone D
 
 
+def test_only_the_orders_that_are_given_are_watched(analyse, tmp_path, capsys):
+    machine = MACHINE.replace(', element: 4.714, cage: 0.398', '')
+    assert analyse(damaged_bearing(), machine) == 0
+    assert 'fault of the outer race' in capsys.readouterr().out
+    header = (tmp_path / 'out' / 'indicators.csv').read_text(encoding='utf-8').splitlines()[0]
+    watched = re.findall(r'housing/A_(\w+)_level', header)
+    assert watched == ['outer', 'inner']
+
+
 def test_one_channel_that_fails_is_said_and_the_others_go_on(analyse, capsys):
     machine = MACHINE.replace('channels:', 'channels:\n  cover: {column: y}')
     assert analyse(damaged_bearing(), machine) == 0

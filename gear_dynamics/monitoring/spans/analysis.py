@@ -9,7 +9,7 @@ from scipy import fft
 
 from gear_dynamics.machine.channel import Channel
 from gear_dynamics.machine.machine import Machine
-from gear_dynamics.machine.parts import DEFECTS, Bearing
+from gear_dynamics.machine.parts import Bearing
 from gear_dynamics.monitoring.spans.bearings import bearing_state
 from gear_dynamics.monitoring.spans.data import Average, ShaftState, Signal, Span, SpanResult
 from gear_dynamics.monitoring.spans.gears import (
@@ -164,7 +164,7 @@ class SpanAnalysis:
                 state = bearing_state(residual, angles, bearing, self.machine)
             if state is not None:
                 result.bearings[name, bearing.name] = state
-            for defect in DEFECTS:
+            for defect in bearing.orders:
                 line = state.lines[defect] if state is not None else None
                 prefix = f'{name}/{bearing.name}_{defect}'
                 result.values[f'{prefix}_order'] = line.order if line else math.nan
@@ -212,7 +212,7 @@ def channel_columns(machine: Machine, channel: Channel) -> dict[str, str]:
             units[f'{channel.name}/{wheel.name}_{name}'] = its
     for bearing in machine.bearings:
         if not bearing.channels or channel.name in bearing.channels:
-            for defect in DEFECTS:
+            for defect in bearing.orders:
                 units[f'{channel.name}/{bearing.name}_{defect}_order'] = '1/rev'
                 units[f'{channel.name}/{bearing.name}_{defect}_level'] = 'dB'
     return units

@@ -6,7 +6,7 @@ import numpy as np
 from scipy import fft
 
 from gear_dynamics.machine.machine import Machine
-from gear_dynamics.machine.parts import DEFECTS, Bearing
+from gear_dynamics.machine.parts import Bearing
 from gear_dynamics.monitoring.spans.data import BearingState, Signal
 from gear_dynamics.monitoring.spans.gears import Angles
 from gear_dynamics.signal.bearing import (
@@ -50,7 +50,7 @@ def bearing_state(
     if length < FEWEST_FOR_ENVELOPE or not np.ptp(values) > 0:
         return None
     speed = (revolutions[-1] - revolutions[0]) / (length - 1) * signal.rate
-    highest = 1.1 * HARMONICS * max(bearing.order(each) for each in DEFECTS)
+    highest = 1.1 * HARMONICS * max(bearing.orders.values())
     if highest * speed > ACCURATE_BAND * signal.rate:
         return None
     explained = explained_orders(bearing, machine, highest)
@@ -58,8 +58,8 @@ def bearing_state(
     for low, high in _bands(values, signal.rate, speed, bearing):
         spectrum = envelope_orders(values, signal.rate, revolutions, low, high, highest)
         lines = {
-            each: find_defect(spectrum, bearing.order(each), bearing.slip, explained)
-            for each in DEFECTS
+            each: find_defect(spectrum, order, bearing.slip, explained)
+            for each, order in bearing.orders.items()
         }
         named = name_defect(lines, spectrum.width)
         states.append(BearingState(lines, named, spectrum, (low, high)))
@@ -82,8 +82,8 @@ def _bands(
     values: np.ndarray, rate: float, speed: float, bearing: Bearing
 ) -> list[tuple[float, float]]:
     # A band must hold three harmonics of the impacts on either side of its centre.
-    least = 3 * speed * max(bearing.outer, bearing.inner)
-    length = int(max(FEWEST_SAMPLES, IMPACTS * rate / (speed * bearing.outer)))
+    least = 3 * speed * max(bearing.impacts)
+    length = int(max(FEWEST_SAMPLES, IMPACTS * rate / (speed * min(bearing.impacts))))
     chosen = most_impulsive_band(values[:length], rate, LEVELS, least_width=least)
     bands = [(0.0, rate / 2)]
     if np.isfinite(chosen.kurtosis) and chosen.high - chosen.low < 0.79 * rate / 2:

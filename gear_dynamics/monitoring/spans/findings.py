@@ -92,7 +92,7 @@ def _bearing_finding(
         prefix = f'{channel}/{bearing.name}_{best}'
         order, level = _median(rows, f'{prefix}_order'), _median(rows, f'{prefix}_level')
         clear = share >= CLEAR_SHARE and level >= CLEAR_LEVEL
-        nominal = bearing.order(best)
+        nominal = bearing.orders[best]
         low, high = record.shown.band
         return Finding(
             'bearing',
@@ -110,9 +110,11 @@ def _bearing_finding(
             f'{where}: undecided. Lines of more than one defect stand out, and none wins clearly '
             f'({_counted(record.named)} of {count} spans).',
         )
-    levels = {each: _median(rows, f'{channel}/{bearing.name}_{each}_level') for each in DEFECTS}
+    levels = {
+        each: _median(rows, f'{channel}/{bearing.name}_{each}_level') for each in bearing.orders
+    }
     known = {each: level for each, level in levels.items() if not math.isnan(level)}
-    greatest = max(known, key=lambda each: known[each], default=best)
+    greatest = max(known, key=lambda each: known[each], default=next(iter(levels)))
     return Finding(
         'bearing',
         False,

@@ -73,8 +73,8 @@ def _known_frequencies(summary: Summary) -> np.ndarray:
             known.append((mesh_lines[:, np.newaxis] + side).ravel())
     for bearing in machine.bearings:
         speed = speeds[bearing.shaft]
-        for defect in DEFECTS:
-            lines = bearing.order(defect) * np.arange(1, 11)[:, np.newaxis]
+        for order in bearing.orders.values():
+            lines = order * np.arange(1, 11)[:, np.newaxis]
             known.append(((lines + np.arange(-2, 3)) * speed).ravel())
         for (_, name), record in summary.bearings.items():
             if name == bearing.name and record.shown.named in DEFECTS:
