@@ -18,14 +18,18 @@ Array = np.ndarray
 def numbers(operation: OperatingPoint) -> Array:
     """Return the parameters p of the functions below."""
     c = pack(operation.pair, 1e-9, 1e-12, drive=False)[0]
+    derived = operation.pair.derived
     wn, b = c['wn'], c['b']
     values = [c['m1'], c['m2'], c['c1'] / wn, c['c2'] / wn, c['k1'] / wn**2, c['k2'] / wn**2]
-    values += [c['me'], operation.load_torque / c['rb2'] / c['me'] / (b * wn**2)]
+    mass = derived.equivalent_mass
+    values += [mass, operation.load_torque / derived.gear_base_radius / mass / (b * wn**2)]
     values += [c['k'] / wn**2, c['c'] / wn, c['mu']]
-    derived = operation.pair.derived
     values += [derived.base_pitch, derived.contact_ratio, derived.approach_length]
     values += [c['arm1'], c['arm_sum']]
-    values += [c['rb1'] / c['inertia1'], c['rb2'] / c['inertia2']]
+    values += [
+        derived.pinion_base_radius / derived.pinion_inertia,
+        derived.gear_base_radius / derived.gear_inertia,
+    ]
     return np.array([*values, operation.frequency_ratio, c['e_a'] / b])
 
 

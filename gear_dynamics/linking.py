@@ -8,6 +8,7 @@ LLVM code. Optimized, and made machine code, is only what Python calls.
 
 from __future__ import annotations
 
+import operator
 from typing import Any
 
 import llvmlite.binding
@@ -15,6 +16,9 @@ from numba.core import compiler, types
 from numba.core.caching import CompileResultCacheImpl
 from numba.core.codegen import JITCodeLibrary
 from numba.core.registry import CPUDispatcher
+
+code_of = operator.attrgetter('library')
+"""The LLVM code of a compiled function."""
 
 
 class Kernel(CPUDispatcher):
@@ -42,7 +46,8 @@ class _Linked(CPUDispatcher):
     def add_overload(self, result: Any) -> None:
         if result.entry_point is None:
             result = result._replace(entry_point=_entry_point())
-            self.targetctx.insert_user_function(result.entry_point, result.fndesc, [result.library])
+            code = code_of(result)
+            self.targetctx.insert_user_function(result.entry_point, result.fndesc, [code])
         self.overloads[tuple(result.signature.args)] = result
 
 
@@ -70,7 +75,7 @@ class _Compiler(compiler.CompilerBase):
         state.flags.no_compile = True
         state.flags.no_cpython_wrapper = True
         state.flags.no_cfunc_wrapper = True
-        state.library = _Library(state.targetctx.codegen(), state.func_id.func_qualname)
+        state['library'] = _Library(state.targetctx.codegen(), state.func_id.func_qualname)
         return [compiler.DefaultPassBuilder.define_nopython_pipeline(state)]
 
 
@@ -83,16 +88,17 @@ class LinkedCacheImpl(CompileResultCacheImpl):
 
     def reduce(self, result: Any) -> tuple:
         """Return what is kept of a function."""
-        code = result.library._get_module_for_linking().as_bitcode()
+        code = code_of(result)
         description = result.fndesc
         description.typemap = description.calltypes = None  # of the compiler; not to be pickled
-        return result.library.name, code, description, result.signature
+        bits = code._get_module_for_linking().as_bitcode()
+        return code.name, bits, description, result.signature
 
     def rebuild(self, context: Any, payload: tuple) -> Any:
         """Return the function again."""
-        name, code, description, signature = payload
+        name, bits, description, signature = payload
         library = _Library(context.codegen(), name)
-        library._final_module = llvmlite.binding.parse_bitcode(code)
+        library._final_module = llvmlite.binding.parse_bitcode(bits)
         library._finalize_final_module()
         return compiler.compile_result(
             target_context=context,

@@ -1,8 +1,8 @@
 """The jumps of forces and accelerations at events, in closed form.
 
 Where a tooth pair enters, leaves, passes the pitch point, or changes its contact, position and
-velocity go on, while force and acceleration jump, and so do their derivatives. `model.band_limit`
-takes these jumps out of the samples and puts them in again band-limited.
+velocity go on, while force and acceleration jump, and so do their derivatives.
+`integrator.band_limit` takes these jumps out of the samples and puts them in again band-limited.
 """
 
 from __future__ import annotations

@@ -12,6 +12,8 @@ Order 0 of the mesh's stiffness and damping acts on the coordinates directly, th
 through the forces: where the mesh is constant, there are none. delta is y2 - y1 + psi - e again at
 each order, so that no rounding parts them.
 
+The matrices of `model.system` are written out here; a test compares both, order by order.
+
 Each order waits for the one before. Sums are written so that what depends on the last order comes
 in last.
 """

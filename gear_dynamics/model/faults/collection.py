@@ -6,7 +6,7 @@ import functools
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from gear_dynamics.model.faults.excess import Part, refuse_excess
+from gear_dynamics.model.faults.excess import FaultPorts, refuse_excess
 from gear_dynamics.model.faults.fault import Fault, SpeedAndLoad
 from gear_dynamics.model.faults.support_wear import SupportWear
 from gear_dynamics.model.friction import friction_ports
@@ -62,7 +62,7 @@ def fault_ports(
             ports = ports.scaled(support[fault.wheel])
             support[fault.wheel] *= 1 - fault.share
         if ports != HEALTHY:
-            parts.append(Part(fault, ports))
+            parts.append(FaultPorts(fault, ports))
     if parts:
         refuse_excess(pair, parts)
     return sum((part.ports for part in parts), HEALTHY)

@@ -23,14 +23,14 @@ MOST_NAMED = 4
 """Faults that a message names at most."""
 
 
-class Part(NamedTuple):
+class FaultPorts(NamedTuple):
     """A fault and what it does to the pair."""
 
     fault: Fault
     ports: Ports
 
 
-def refuse_excess(pair: GearPair, parts: Sequence[Part]) -> None:
+def refuse_excess(pair: GearPair, parts: Sequence[FaultPorts]) -> None:
     """Refuse faults that together leave no backlash or no stiffness of a tooth pair.
 
     Raises
@@ -53,7 +53,7 @@ def refuse_excess(pair: GearPair, parts: Sequence[Part]) -> None:
     _refuse_soft_teeth(parts, everywhere, s)
 
 
-def _refuse_closed_gap(pair: GearPair, parts: Sequence[Part]) -> None:
+def _refuse_closed_gap(pair: GearPair, parts: Sequence[FaultPorts]) -> None:
     taken = [_off_the_gap(part.ports) for part in parts]
     if sum(taken) >= pair.half_backlash:
         takers = [part for part, each in zip(parts, taken, strict=True) if each > 0]
@@ -73,7 +73,7 @@ def _off_the_gap(ports: Ports) -> float:
     return taken
 
 
-def _refuse_soft_teeth(parts: Sequence[Part], everywhere: np.ndarray, s: np.ndarray) -> None:
+def _refuse_soft_teeth(parts: Sequence[FaultPorts], everywhere: np.ndarray, s: np.ndarray) -> None:
     """Refuse teeth that meet and whose added compliance takes more than the stiffness there is."""
     worst = everywhere.copy()
     by_tooth: dict[tuple[str, int], np.ndarray] = {}
@@ -121,7 +121,7 @@ def _left(ports: Ports, s: np.ndarray) -> np.ndarray:
     return found
 
 
-def _named(parts: Sequence[Part]) -> str:
+def _named(parts: Sequence[FaultPorts]) -> str:
     """Return the names and severities of faults in a list."""
     shown = []
     for fault, _ in parts[:MOST_NAMED]:
